@@ -42,6 +42,8 @@ GRAVITY = 9.81
 LOWEST_GRAVITY = 1e-3
 #: Share of the Rayleigh time step at which beds come to rest.
 TIME_STEP_FRACTION = 0.12
+#: Parts of a test that can be of different materials, each with its walls in the scene.
+Parts = Mapping[str, tuple[str, ...]]
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
 
 
@@ -160,7 +162,7 @@ class BulkTest(ABC):
     curves: ClassVar[Mapping[str, CurveInfo]] = {}
     #: Parts that can be of different materials, each with its walls in the scene, the part that
     #: touches most particles first; None where every wall of the scene is a part.
-    parts: ClassVar[Mapping[str, tuple[str, ...]] | None] = None
+    parts: ClassVar[Parts | None] = None
     #: View of its runs in a report; None when there is none.
     shown: ClassVar[Shown | None] = None
     #: Bulk density that overlaps of soft particles add, over `stiffness_number`.

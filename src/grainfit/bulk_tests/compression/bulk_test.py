@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
 from grainfit.bulk_tests.compression.curve import (
     COLUMNS,
     Curve,
@@ -29,7 +29,7 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
     Sensitivities,
 )
-from grainfit.bulk_tests.shared.options import LENGTH, TIME
+from grainfit.bulk_tests.shared.options import LENGTH, settling_option
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.view import Shown
@@ -93,7 +93,7 @@ class Compression(BulkTest):
 
     type: ClassVar[str] = "compression"
     title: ClassVar[str] = "uniaxial, confined"
-    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+    parts: ClassVar[Parts] = {
         "pot": ("pot",),
         "floor": ("floor",),
         "piston": ("piston",),
@@ -202,12 +202,7 @@ class Compression(BulkTest):
         # It follows the material.
         default=Derived("0.0065 sqrt(stress / particle density)"),
     )
-    settling_time_limit: Amount | None = option(
-        TIME,
-        "Longest simulated time in which the bed may come to rest.",
-        example='"2 s"',
-        default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
-    )
+    settling_time_limit: Amount | None = settling_option()
 
     @cached_property
     def setup(self) -> CompressionSetup:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -64,7 +64,7 @@ class Discharge(BulkTest):
 
     type: ClassVar[str] = "discharge"
     title: ClassVar[str] = "flat-bottomed container"
-    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+    parts: ClassVar[Parts] = {
         # A box with a slot, or a tube with a round orifice.
         "container": ("left", "right", "tube"),
         "floor": ("left_shelf", "right_shelf", "floor", "door"),

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, Parts, ResponseInfo
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
@@ -75,7 +75,7 @@ class DrawDown(BulkTest):
 
     type: ClassVar[str] = "draw_down"
     title: ClassVar[str] = "two boxes and a slot"
-    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+    parts: ClassVar[Parts] = {
         "box": ("left", "right"),
         "shelf": ("left_shelf", "right_shelf", "door"),
         "floor": ("floor",),

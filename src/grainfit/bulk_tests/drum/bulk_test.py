@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
@@ -62,7 +62,7 @@ class Drum(BulkTest):
 
     type: ClassVar[str] = "drum"
     title: ClassVar[str] = "rotating"
-    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {"drum": ("drum",)}
+    parts: ClassVar[Parts] = {"drum": ("drum",)}
     shown: ClassVar[Shown | None] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "dynamic_angle": ResponseInfo(

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo, absent_responses
+from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo, absent_responses
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
-from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, TIME
+from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, settling_option
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
@@ -92,7 +92,7 @@ class Heap(BulkTest):
 
     type: ClassVar[str] = "heap"
     title: ClassVar[str] = "lifted cylinder"
-    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
+    parts: ClassVar[Parts] = {
         "cylinder": ("cylinder",),
         "plate": ("plate", "rim"),
     }
@@ -210,12 +210,7 @@ class Heap(BulkTest):
         default=Derived("as between two particles"),
         part="plate",
     )
-    settling_time_limit: Amount | None = option(
-        TIME,
-        "Longest simulated time in which the bed and the heap may come to rest.",
-        example='"2 s"',
-        default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
-    )
+    settling_time_limit: Amount | None = settling_option("the bed and the heap")
     views: int = option(
         Whole(1, 360),
         "Number of silhouettes on which the heap is measured.",

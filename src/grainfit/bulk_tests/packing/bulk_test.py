@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, Parts, ResponseInfo
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import (
     Filling,
@@ -16,7 +16,7 @@ from grainfit.bulk_tests.shared.filling import (
     least_radius,
     plan_filling,
 )
-from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH, TIME
+from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH, settling_option
 from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.validity import require_separate
@@ -101,10 +101,7 @@ class Packing(BulkTest):
 
     type: ClassVar[str] = "packing"
     title: ClassVar[str] = "poured container"
-    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "container": ("container",),
-        "floor": ("floor",),
-    }
+    parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}
     shown: ClassVar[Shown | None] = Shown("bed", "bulk_density", snapshot_file(_BED), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 
@@ -132,12 +129,7 @@ class Packing(BulkTest):
         example='"90 mm"',
         default=Derived("9 d", lambda s: s.usual_top),
     )
-    settling_time_limit: Amount | None = option(
-        TIME,
-        "Longest simulated time in which the bed may come to rest.",
-        example='"2 s"',
-        default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
-    )
+    settling_time_limit: Amount | None = settling_option()
 
     @cached_property
     def setup(self) -> PackingSetup:
@@ -151,9 +143,8 @@ class Packing(BulkTest):
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: a column falls and comes to rest."""
-        setup, largest = self.setup, self.setup.largest
-        radius, filling, top = setup.cylinder_radius, setup.filling, column.height + 1.25 * largest
-        side = radius + 1.5 * largest
+        setup, filling, largest = self.setup, self.setup.filling, self.setup.largest
+        top, side = column.height + 1.25 * largest, setup.cylinder_radius + 1.5 * largest
         return Scene(
             title="Packing test: a poured container",
             material=material,
@@ -161,7 +152,7 @@ class Packing(BulkTest):
             particles=column,
             box=Box((-side, -side, -3 * largest), (side, side, top + 2 * largest)),
             walls={
-                "container": Wall(Cylinder(radius, 0.0, top)),
+                "container": Wall(Cylinder(setup.cylinder_radius, 0.0, top)),
                 "floor": Wall(Disc(side - largest / 2, 0.0)),
             },
             stages=(filling.stage(setup.settling_time_limit, _BED),),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from grainfit.options.fields import Derived, option
 from grainfit.options.kinds import Quantity
 
 LENGTH = Quantity("m", above_zero=True, highest=1e3)
@@ -15,3 +18,13 @@ SLOT_WIDTH = "Width of the slot. The mass flow depends on it strongly: use that 
 FLOW_TIME_LIMIT = (
     "Longest simulated time in which the bed, and after the flow all particles, may come to rest."
 )
+
+
+def settling_option(what: str = "the bed") -> Any:
+    """Return the option of the longest time in which something may come to rest."""
+    return option(
+        TIME,
+        f"Longest simulated time in which {what} may come to rest.",
+        example='"2 s"',
+        default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
+    )

@@ -15,6 +15,7 @@ from grainfit.bulk_tests.base import (
     GRAVITY,
     LOWEST_GRAVITY,
     BulkTest,
+    Parts,
     ResponseInfo,
 )
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -88,7 +89,7 @@ class Shear(BulkTest):
     type: ClassVar[str] = "shear"
     title: ClassVar[str] = "plane shear under a normal stress"
     #: Both plates are glued particles.
-    parts: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    parts: ClassVar[Parts] = {}
     overlap_law: ClassVar[OverlapLaw] = IN_SHEAR
     shown: ClassVar[Shown | None] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0}
