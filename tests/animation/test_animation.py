@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import needs
 from grainfit.animation import drawn_film, messages
 from grainfit.bulk_tests.heap import Heap
 from grainfit.errors import InputError
@@ -133,7 +134,7 @@ def test_a_run_with_frames_is_the_same_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("liggghts") is None, reason="LIGGGHTS is not installed")
+@needs.LIGGGHTS
 def test_a_piston_is_where_its_series_has_it(tmp_path: Path) -> None:
     file = calibration(tmp_path, COMPRESSION, solver="liggghts")
     file.write_text(file.read_text().replace('"1 MPa"', '"10 MPa"'))

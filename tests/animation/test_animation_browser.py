@@ -13,13 +13,12 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
+import needs
 from benchmarks import chromium
 from grainfit.scenes.shapes import Block
 from tests.animation.animated_runs import made_up, moving, page_of, turning
 
-pytestmark = pytest.mark.skipif(
-    chromium.EXECUTABLE is None, reason="Chromium is not installed: apt-get install chromium"
-)
+pytestmark = needs.CHROMIUM
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
 #: The picture of now, once it is drawn.

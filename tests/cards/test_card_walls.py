@@ -15,6 +15,7 @@ import pytest
 from exported_beads import FIXED, SIZES
 from test_solvers_read_cards import write_yade
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.cards import CardParameter, MaterialCard, render
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
@@ -160,9 +161,7 @@ for number, name, material in ((1, "steel", wall_steel), (2, "acrylic", wall_acr
 """
 
 
-@pytest.mark.skipif(
-    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
-)
+@needs.YADE
 def test_yade_has_a_material_for_each_wall(two_walls: MaterialCard, tmp_path: Path) -> None:
     write_yade(render(two_walls, "yade"), YADE, tmp_path / "in.test.py")
     undamped = {name: 0.0 if "rolling_damping" in name else value for name, value in FIXED.items()}

@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import re
-import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +24,7 @@ from test_solvers_read_cards import (
     write_yade,
 )
 
+import needs
 from grainfit.cards import CardParameter, MaterialCard, render
 from grainfit.contact_models.dmt.model import pull_off_force
 from grainfit.contact_models.hertz_mindlin.model import hertz_stiffness, particle_moduli
@@ -79,9 +79,7 @@ def test_lammps(card: MaterialCard, tmp_path: Path, model: str) -> None:
     )
 
 
-@pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
+@needs.LIGGGHTS
 @pytest.mark.parametrize("model", ["sjkr", "sjkr2"])
 def test_liggghts(card: MaterialCard, tmp_path: Path, model: str) -> None:
     (tmp_path / "card.inc").write_text(render(with_cohesion(card, DAMP, model), "liggghts"))
@@ -101,9 +99,7 @@ def test_liggghts(card: MaterialCard, tmp_path: Path, model: str) -> None:
     )
 
 
-@pytest.mark.skipif(
-    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
-)
+@needs.YADE
 def test_yade(card: MaterialCard, tmp_path: Path) -> None:
     text = render(with_cohesion(card, STICKY, "dmt"), "yade")
     adhesion = '"adhesion": found.adhesionForce, "acts": contact_law.includeAdhesion,'

@@ -6,7 +6,6 @@ import itertools
 import json
 import math
 import re
-import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from test_solvers_read_cards import run_yade, start, write_yade
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.cards import MaterialCard, render
@@ -159,9 +159,7 @@ def deck_of_card(text: str) -> str:
     return deck.replace("fix             motion", f"{inserted}fix             motion")
 
 
-@pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
+@needs.LIGGGHTS
 def test_liggghts_inserts_the_clumps_of_each_diameter(clumps: MaterialCard, tmp_path: Path) -> None:
     sizes = ParticleSizes((0.008, 0.010), (0.4, 0.6), shape=SIZES.shape)
     text = render(replace(clumps, sizes=sizes), "liggghts")
@@ -227,9 +225,7 @@ with open("found.json", "w") as file:
 """
 
 
-@pytest.mark.skipif(
-    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
-)
+@needs.YADE
 def test_yade_puts_the_clump_of_a_card(card: MaterialCard, tmp_path: Path) -> None:
     write_yade(render(replace(card, sizes=PIN), "yade"), YADE, tmp_path / "test.py")
     log = run_yade("test.py", tmp_path)

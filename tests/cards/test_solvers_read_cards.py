@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ import pytest
 from exported_beads import FIXED, SIZES
 
 import grainfit
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.cards import MaterialCard, render
 from grainfit.contact_models.contact import Contact
@@ -228,9 +228,7 @@ def test_lammps_takes_the_contacts_of_every_pair_of_diameters(
     require_forces(card, printed(tmp_path / "solver.log"))
 
 
-@pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
+@needs.LIGGGHTS
 def test_liggghts_computes_with_the_values_of_its_card(
     nasty_card: MaterialCard, tmp_path: Path
 ) -> None:
@@ -264,9 +262,7 @@ def test_liggghts_computes_with_the_values_of_its_card(
     require_forces(nasty_card, found)
 
 
-@pytest.mark.skipif(
-    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
-)
+@needs.YADE
 def test_yade_computes_with_the_values_of_its_card(
     nasty_card: MaterialCard, tmp_path: Path
 ) -> None:
@@ -301,9 +297,7 @@ def test_yade_computes_with_the_values_of_its_card(
     assert found["wall_rebound"] == pytest.approx(values["particle_wall.restitution"], rel=0.02)
 
 
-@pytest.mark.skipif(
-    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
-)
+@needs.YADE
 def test_script_of_the_page_runs_beside_its_card(card: MaterialCard, tmp_path: Path) -> None:
     _, section = PAGE.read_text(encoding="utf-8").split("\n## YADE\n")
     script, _ = section.partition("```python\n")[2].split("```\n", 1)

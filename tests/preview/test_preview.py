@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
-from benchmarks import chromium
+import needs
 from benchmarks.axe import violations_in
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.build import load_calibration
@@ -251,7 +251,7 @@ def test_the_name_of_a_picture_is_that_of_the_picture(tmp_path: Path) -> None:
         assert image.size[0] > 800
 
 
-@pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+@needs.CHROMIUM
 def test_the_page_breaks_no_rule_of_accessibility(tmp_path: Path) -> None:
     file, page = tmp_path / "two.toml", tmp_path / "two.html"
     # The shear test has glued particles and walls of every kind.

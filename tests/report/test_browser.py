@@ -17,15 +17,14 @@ from playwright.sync_api import Browser, Page
 from pypdfium2 import PdfDocument
 from scipy.stats import norm
 
+import needs
 from benchmarks import campaigns, chromium
 from benchmarks.axe import violations
 from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.page import write_report
 
-pytestmark = pytest.mark.skipif(
-    chromium.EXECUTABLE is None, reason="Chromium is not installed: apt-get install chromium"
-)
+pytestmark = needs.CHROMIUM
 
 SECTIONS = (
     "answer",

@@ -19,6 +19,7 @@ from contexts import result_of
 from PIL import Image
 
 import grainfit
+import needs
 from benchmarks import chromium
 from grainfit.analysis.analysis import Analysis
 from grainfit.bulk_tests.heap import Heap
@@ -444,7 +445,7 @@ STRIP = """() => new Promise((done) => requestAnimationFrame(() => requestAnimat
     ])))))"""
 
 
-@pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+@needs.CHROMIUM
 def test_the_corners_stand_side_by_side_in_three_dimensions(
     heaps: ReportContext, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

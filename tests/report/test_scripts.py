@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm, qmc
 
+import needs
 from grainfit.formatting import number, rounded
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.metamodels.kriging import Kriging
@@ -16,9 +17,7 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.report.sections.answer.section import seconds
 from grainfit.report.sections.explorer.section import time_step_data
 
-pytestmark = pytest.mark.skipif(
-    contexts.NODE is None, reason="Node.js is not installed: apt-get install nodejs"
-)
+pytestmark = needs.NODE
 
 PREDICT = """
     const model = grainfitKriging.prepare(data.model);

@@ -16,6 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+import needs
 from benchmarks import chromium
 from benchmarks.axe import violations
 from grainfit.analysis.analysis import Analysis
@@ -180,9 +181,7 @@ def test_one_stress_has_neither_section_nor_figure(calibrated: tuple[Result, Pat
         gf.plots.yield_locus(one)
 
 
-@pytest.mark.skipif(
-    chromium.EXECUTABLE is None, reason="Chromium is not installed: apt-get install chromium"
-)
+@needs.CHROMIUM
 def test_the_section_breaks_no_rule_of_accessibility(
     calibrated: tuple[Result, Path], tmp_path: Path
 ) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import needs
 from grainfit.measurement.particles import read_dump
 from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.packing import Rectangle, random_column
@@ -97,7 +97,7 @@ def test_few_fixes_are_there_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("liggghts") is None, reason="LIGGGHTS is not installed")
+@needs.LIGGGHTS
 def test_clumps_that_come_in_groups_fly_as_those_that_come_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

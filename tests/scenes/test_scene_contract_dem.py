@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
-
 import pytest
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
@@ -21,9 +20,7 @@ class TestLammps(SceneContract, GluedContract, ImpactContract, ClumpContract):
         return Lammps(Heap(diameter="10 mm"), {})
 
 
-@pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
+@needs.LIGGGHTS
 class TestLiggghts(SceneContract, GluedContract, ImpactContract, ClumpContract):
     slide_kick = 0.004
 

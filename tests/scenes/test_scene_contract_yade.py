@@ -7,11 +7,11 @@ and a copy of it runs each script. tests/solvers/test_contract_yade.py starts it
 from __future__ import annotations
 
 import math
-import shutil
 import subprocess
 
 import pytest
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.scenes.conditions import Clear
 from grainfit.scenes.scene import Stage, Velocity, Wall
@@ -29,9 +29,7 @@ from grainfit.testing.scene_contract import (
     spheres,
 )
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
-)
+pytestmark = needs.YADE
 #: Runs the script in each folder that it reads, in a copy of the process; says how it ended.
 _SERVER = """\
 import os, sys, traceback

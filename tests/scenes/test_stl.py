@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import struct
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.errors import InputError
 from grainfit.messages import Message
@@ -29,9 +29,7 @@ from grainfit.testing.scene_contract import DAMPED, RADIUS, SIZES, resting_overl
 
 BOX = Box((-0.1, -0.1, -0.1), (0.1, 0.1, 0.2))
 TABLE = Block((-0.05, -0.04, -0.05), (0.05, 0.04, 0.02))
-NEEDS_LIGGGHTS = pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed"
-)
+NEEDS_LIGGGHTS = needs.LIGGGHTS
 
 
 def binary(path: Path, triangles: Triangles) -> Path:

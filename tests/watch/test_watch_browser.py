@@ -14,6 +14,7 @@ from playwright.sync_api import Browser, Page, expect
 from watched_runs import NAME, address, calibration, go, run, served, wait_for
 
 import grainfit as gf
+import needs
 from benchmarks import campaigns, chromium
 from benchmarks.axe import violations
 from grainfit.bulk_tests.heap import Heap
@@ -22,9 +23,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import GLASS_BEADS
 
-pytestmark = pytest.mark.skipif(
-    chromium.EXECUTABLE is None, reason="Chromium is not installed: apt-get install chromium"
-)
+pytestmark = needs.CHROMIUM
 # Chromium, solvers and metamodels share a few cores.
 expect.set_options(timeout=60_000)
 LAPTOP, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}

@@ -54,12 +54,7 @@ class Animation:
 def filming(setup: CalibrationSetup, frames: int) -> CalibrationSetup:
     """Return a calibration whose runs keep frames of the particles; they are the same runs.
 
-    Parameters
-    ----------
-    setup : CalibrationSetup
-        The calibration.
-    frames : int
-        About how many frames a page is to show.
+    A page shows about so many frames.
 
     Raises
     ------

@@ -69,18 +69,7 @@ class DrawnFilm:
 
 
 def draw_film(scene: Scene, run: RunOutput, film: Film, most: int) -> DrawnFilm:
-    """Return the film of a run to be drawn.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene of the run.
-    run : RunOutput
-        Its output.
-    film : Film
-        Its frames.
-    most : int
-        The largest number of frames.
+    """Return the film of a run to be drawn, with so many frames at most.
 
     Raises
     ------
@@ -192,12 +181,9 @@ class _Cast:
         }
 
     def seen(self, settled: NDArray[np.bool_]) -> Array:
-        """Return what a picture must show of the particles: corners about each, shape (n, 3), m.
+        """Return corners about each particle that a picture must show, shape (n, 3), m.
 
-        Parameters
-        ----------
-        settled : ndarray of bool
-            Frames that count, unless nothing is there in them.
+        Settled frames count alone, unless nothing is there in them.
         """
         some = self._corners(self.places[settled])
         return some if len(some) else self._corners(self.places)

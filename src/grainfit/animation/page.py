@@ -53,15 +53,7 @@ class AnimatedRun:
 
 
 def animation_page(run: AnimatedRun, film: DrawnFilm) -> str:
-    """Return a page that needs no network.
-
-    Parameters
-    ----------
-    run : AnimatedRun
-        The run.
-    film : DrawnFilm
-        Its film.
-    """
+    """Return a page that needs no network."""
     return package_page(
         "grainfit.animation",
         name=plain(run.name),

@@ -23,12 +23,7 @@ def make_card(
 ) -> MaterialCard:
     """Build the card of a calibration.
 
-    Parameters
-    ----------
-    reading : SavedCalibration
-        The calibration, read from its work folder.
-    intervals : mapping of str to ParameterInterval
-        95 % intervals of free parameters, as far as there are any.
+    It has the 95 % intervals of free parameters, as far as there are any.
 
     Raises
     ------

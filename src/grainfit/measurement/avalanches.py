@@ -55,13 +55,7 @@ class Avalanches:
         return np.array([series[part].mean() for part in self.parts])
 
     def standard_error(self, means: Array) -> float:
-        """Return the standard error of the mean of the series.
-
-        Parameters
-        ----------
-        means : ndarray of shape (n,)
-            Mean over each avalanche.
-        """
+        """Return the standard error of the series' mean, from the mean over each avalanche."""
         return float(np.std(means, ddof=1)) / math.sqrt(self._count)
 
     @property

@@ -54,17 +54,7 @@ class Drawing:
 
 
 def draw(silhouette: Silhouette, view: View | None = None, target: float | None = None) -> Drawing:
-    """Draw a silhouette.
-
-    Parameters
-    ----------
-    silhouette : Silhouette
-        The silhouette to draw.
-    view : View, optional
-        The flanks that were fitted to it.
-    target : float, optional
-        Measured angle of repose, degrees.
-    """
+    """Draw a silhouette, fitted flanks and, through them, lines at a measured angle, degrees."""
     size = silhouette.pixel_size
     x = silhouette.columns / size
     heights = np.nan_to_num(silhouette.outline(), nan=0.0) / size
@@ -114,15 +104,7 @@ class CurveScale:
         wanted: Sequence[Line] = (),
         walls: Sequence[Line] = (),
     ) -> Drawing:
-        """Draw curves, one after the other, of which each has not too many points.
-
-        Parameters
-        ----------
-        curves : sequence of pair of array_like
-            Values of each.
-        fitted, wanted, walls : sequence of Line
-            As in `Drawing`.
-        """
+        """Draw curves, one after the other, with lines as of a `Drawing`."""
         places = [self.place(*point) for curve in curves for point in _thinned(*curve)]
         points = " ".join(f"{x:.0f},{y:.0f}" for x, y in places)
         return Drawing(
@@ -146,14 +128,7 @@ def surface_path(
 ) -> str:
     """Return the area between a ground and a surface above it as an SVG path.
 
-    Parameters
-    ----------
-    x, heights : ndarray of shape (n,)
-        Surface over the ground, m.
-    ground : float
-        Height of the ground in the drawing, m.
-    pixel : float
-        Size of a pixel, m.
+    Lengths are in m, and the size of a pixel, too.
     """
     kept = simplified(heights / pixel, _TOLERANCE)
     points = " ".join(f"{x[i] / pixel:.0f},{-(ground + heights[i]) / pixel:.0f}" for i in kept)
@@ -169,18 +144,9 @@ def wall_line(start: tuple[float, float], end: tuple[float, float], pixel: float
 def fitted_lines(
     flanks: Sequence[Flank], ground: float, pixel: float, target: float | None
 ) -> tuple[tuple[Line, ...], tuple[Line, ...]]:
-    """Return fitted flanks as lines of a drawing, and lines at a target angle through them.
+    """Return fitted flanks as lines of a drawing, and through them lines at a target, degrees.
 
-    Parameters
-    ----------
-    flanks : sequence of Flank
-        Heights from the ground.
-    ground : float
-        Height of the ground in the drawing, m.
-    pixel : float
-        Size of a pixel, m.
-    target : float, optional
-        Wanted inclination, degrees.
+    Heights of flanks are those from the ground, which has a height in the drawing, m.
     """
     lines = []
     for flank in flanks:

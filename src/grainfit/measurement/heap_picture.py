@@ -41,16 +41,8 @@ def draw_heap(
 ) -> None:
     """Write a PNG of a heap's silhouettes with the fitted flanks and the angle of repose.
 
-    Parameters
-    ----------
-    path : Path
-        File to write; ends in ``.png``.
-    particles : Particles
-        As given to `angle_of_repose`.
-    plate_radius, ground : float
-        As given to `angle_of_repose`, m.
-    measured : AngleOfRepose or str
-        The measurement, or the reason why there is none: then no flanks are drawn.
+    Of a heap that is not measurable, it has the reason, and no flanks. Lengths are those that
+    `angle_of_repose` takes.
     """
     if isinstance(measured, str):
         title = "Angle of repose: not measurable"

@@ -44,17 +44,7 @@ def draw_flank(
     start: tuple[float, float],
     end: tuple[float, float],
 ) -> None:
-    """Draw a fitted flank between two points of a picture, with its inclination beside it.
-
-    Parameters
-    ----------
-    draw : ImageDraw
-        Pen of the picture.
-    flank : Flank
-        The flank.
-    start, end : tuple of float
-        Its lower and upper end, pixels.
-    """
+    """Draw a flank between its ends, the lower first, with its inclination beside it."""
     draw.line([start, end], fill=FLANK, width=3 * OVERSAMPLING)
     # Beside the middle of the line, on the outer and upper side, where the heap is not.
     outward = math.copysign(1.0, start[0] - end[0])
@@ -69,16 +59,9 @@ def draw_flank(
 
 
 def sheet(title: str, subtitle: str, panels: list[Image.Image], panel_width: int) -> Image.Image:
-    """Return a picture of panels below a title, in its final size.
+    """Return a picture of panels below a title and a text that is wrapped, in its final size.
 
-    Parameters
-    ----------
-    title, subtitle : str
-        A line, and a text that is wrapped.
-    panels : list of Image
-        Oversampled; two in a row.
-    panel_width : int
-        Width of a panel, pixels.
+    Panels are oversampled, of one width, pixels; two are in a row.
     """
     columns = max(1, min(_COLUMNS, len(panels)))
     width = 2 * _MARGIN + columns * panel_width + (columns - 1) * _GAP

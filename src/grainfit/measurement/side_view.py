@@ -62,13 +62,7 @@ class SideView:
     lines: Sequence[Sequence[Point]] = ()
 
     def panel(self, width: int) -> Image.Image:
-        """Draw the view.
-
-        Parameters
-        ----------
-        width : int
-            Largest width, pixels.
-        """
+        """Draw the view in a width, pixels."""
         left, bottom, right, top = self.extent
         scale = min(width / (right - left), _HIGHEST / (top - bottom))
         size = (width, math.ceil((top - bottom) * scale))

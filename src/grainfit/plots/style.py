@@ -39,15 +39,7 @@ def named_runs(reading: SavedCalibration, reduction: Reduction) -> Iterator[tupl
 
 
 def tolerance_band(target: Target, axis: str) -> list[dict[str, Any]]:
-    """Return shapes of a target and its tolerance, across the whole figure.
-
-    Parameters
-    ----------
-    target : Target
-        The measured target.
-    axis : {"x", "y"}
-        The axis with its unit.
-    """
+    """Return shapes of a target and its tolerance along an axis, across the whole figure."""
     other = {"x": "y", "y": "x"}[axis]
     across = {f"{other}ref": "paper", f"{other}0": 0, f"{other}1": 1, f"{axis}ref": axis}
     low, high = target.value - target.tolerance, target.value + target.tolerance

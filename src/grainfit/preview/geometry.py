@@ -148,13 +148,7 @@ class Geometry:
 
 
 def geometry_of(scene: Scene) -> Geometry:
-    """Return the geometry of a scene at its beginning, with the walls of all stages.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    """
+    """Return the geometry of a scene at its beginning, with the walls of all stages."""
     radii = np.array(scene.sizes.diameters)[scene.particles.size_indices] / 2
     positions, each = scene.particles.positions, 1
     if scene.clumps is not None:
@@ -226,17 +220,8 @@ def _direction(motion: object) -> tuple[float, ...] | None:
 def feature_edges(triangles: Triangles, size: float) -> Array:
     """Return edges of one triangle alone, and those where two meet at a large angle.
 
-    Parameters
-    ----------
-    triangles : ndarray of shape (n, 3, 3)
-        Corners.
-    size : float
-        Size of the scene: corners much nearer than it are one.
-
-    Returns
-    -------
-    ndarray of shape (m, 2, 3)
-        Ends of the edges.
+    The ends of the edges have the shape (m, 2, 3). Corners that are much nearer to each other than
+    the size of the scene are one.
     """
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]

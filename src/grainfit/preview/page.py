@@ -22,17 +22,7 @@ _STATES: Mapping[State, str] = {"still": "stand still", "moving": "move", "later
 
 
 def preview_page(name: str, tests: Sequence[PreviewedTest], values: Mapping[str, float]) -> str:
-    """Return a page that needs no network.
-
-    Parameters
-    ----------
-    name : str
-        Name of the calibration.
-    tests : sequence of PreviewedTest
-        Its tests.
-    values : mapping of str to float
-        Values of the free parameters.
-    """
+    """Return a page of tests at values of the free parameters that needs no network."""
     keyed = {f"test-{number}": test for number, test in enumerate(tests, 1)}
     return package_page(
         "grainfit.preview",

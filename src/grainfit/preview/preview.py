@@ -65,17 +65,7 @@ def _previewed(name: str, solver: Solver, values: Mapping[str, float], seed: int
 
 
 def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None:
-    """Write a PNG of the scenes at their beginning.
-
-    Parameters
-    ----------
-    path : Path
-        The file to write.
-    name : str
-        Name of the calibration.
-    tests : sequence of PreviewedTest
-        Its tests.
-    """
+    """Write a PNG of the scenes at their beginning."""
     width = _WIDE if len(tests) == 1 else _NARROW
     panels = [draw_geometry(test.geometry, width) for test in tests]
     listed = "; ".join(f"{test.name}: {test.cost_text}" for test in tests)
@@ -89,16 +79,7 @@ def write_preview(
 ) -> tuple[Path, Path]:
     """Write the page and, beside it, the picture; return both paths.
 
-    Parameters
-    ----------
-    path : Path
-        The page to write; the name of a picture (.png) is that of the picture.
-    name : str
-        Name of the calibration.
-    tests : sequence of PreviewedTest
-        Its tests.
-    values : mapping of str to float
-        Values of the free parameters.
+    A path that ends in ``.png`` is that of the picture.
 
     Raises
     ------

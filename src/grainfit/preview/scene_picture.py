@@ -71,15 +71,7 @@ def _seen(points: Array) -> Array:
 
 
 def draw_geometry(geometry: Geometry, width: int) -> Image.Image:
-    """Draw a scene.
-
-    Parameters
-    ----------
-    geometry : Geometry
-        The scene.
-    width : int
-        Of the picture, pixels, oversampled.
-    """
+    """Draw a scene in a width, oversampled pixels."""
     camera = _Camera.of(geometry.corners, width)
     shape = (camera.size[1], camera.size[0])
     colours, depth = _particles(geometry, camera, shape)

@@ -119,17 +119,7 @@ class ReportContext:
 
 
 def waiting(context: ReportContext, key: str, title: str, reason: str = "") -> Section:
-    """Return a section that has no content yet, with the reason.
-
-    Parameters
-    ----------
-    context : ReportContext
-        The notes of its analysis are the reasons, unless one is given.
-    key, title : str
-        Of the section.
-    reason : str
-        In a sentence or two.
-    """
+    """Return a section without content yet, with a reason or else the notes of the analysis."""
     reasons = [reason] if reason else [plain(note) for note in context.analysis.notes]
     return Section(key, title, fill_template("waiting", reasons=reasons))
 

@@ -31,10 +31,7 @@ _OVERLAP = 0.01
 def scene_faults(scene: Scene) -> tuple[Fault, ...]:
     """Return why a scene cannot be simulated as it is meant; empty when nothing is found.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene; its names and the walls of its stages were checked when it was made.
+    Its names and the walls of its stages were checked when it was made.
     """
     numbers = [*_number_faults(scene), *_box_faults(scene.box)]
     if numbers:

@@ -33,14 +33,7 @@ _GLUED = "v_glued"
 def filmed(scene: Scene, frames: int, duration: float) -> Scene:
     """Return a scene whose run keeps frames through all stages; they change nothing of the run.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    frames : int
-        Frames that are to be shown; see `Film.spread`.
-    duration : float
-        Simulated time that the run takes about, s.
+    Of a run that takes about the duration, s, so many frames are to be shown; see `Film.spread`.
     """
     return replace(scene, film_interval=duration / (_SPARE * frames))
 
@@ -97,13 +90,7 @@ class Film:
         return np.array([step for step, _, _ in self._places], dtype=np.int64)
 
     def spread(self, most: int) -> list[int]:
-        """Return the numbers of frames at equal intervals, from 0, the last frame included.
-
-        Parameters
-        ----------
-        most : int
-            The largest number of frames, at least 2.
-        """
+        """Return the numbers of so many frames, two or more, from the first to the last, evenly."""
         count = len(self._places)
         if count <= most:
             return list(range(count))

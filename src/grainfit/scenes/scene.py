@@ -386,10 +386,7 @@ class Scene:
     def _throw(self, places: Mapping[str, NDArray[np.float64]]) -> float:
         """Return the kinetic energy of all particles thrown by what moves, J.
 
-        Parameters
-        ----------
-        places : mapping of str to ndarray of shape (n, 3)
-            Of each wall or glued set, the places that may be the fastest, m.
+        Places, m, are those of each wall or glued set that may be the fastest.
         """
         speeds = [
             _fastest(motion, there)

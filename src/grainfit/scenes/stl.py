@@ -148,13 +148,6 @@ def _error(path: Path, message: Message, **values: object) -> InputError:
 def mesh_triangles(mesh: Mesh, box: Box) -> Triangles:
     """Return the triangles of a mesh in m; in a periodic box none is longer than a share of it.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    box : Box
-        The simulated space.
-
     Raises
     ------
     InputError
@@ -213,17 +206,7 @@ def divided(triangles: Triangles, longest: float) -> Triangles:
 
 
 def mesh_faults(key: str, shape: Shape, box: Box) -> Iterator[Fault]:
-    """Yield why an STL file cannot be a wall of the box: damaged, elsewhere, or of another unit.
-
-    Parameters
-    ----------
-    key : str
-        The wall, for the message.
-    shape : Shape
-        Shapes other than a `Mesh` have no such faults.
-    box : Box
-        The simulated space.
-    """
+    """Yield why an STL file cannot be a wall of the box: damaged, elsewhere, or of another unit."""
     if not isinstance(shape, Mesh):
         return
     if not shape.scale > 0:

@@ -57,15 +57,7 @@ class WallTravel:
 
 
 def stage_spans(scene: Scene, ends: Sequence[StageEnd]) -> list[StageSpan]:
-    """Return the stages that a run has reached, with their times.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene of the run.
-    ends : sequence of StageEnd
-        Ends of its stages.
-    """
+    """Return the stages that a run has reached, with their times."""
     spans: list[StageSpan] = []
     begin = 0.0
     for number, stage in enumerate(scene.stages):

@@ -11,12 +11,7 @@ from grainfit.report.package_page import package_page
 def watch_page(folder: Path, nonce: str) -> str:
     """Return the page, with all that it needs but the state.
 
-    Parameters
-    ----------
-    folder : Path
-        The work folder.
-    nonce : str
-        Secret that marks the scripts and styles of the page: the browser uses no others.
+    The nonce is a secret that marks its scripts and styles: the browser uses no others.
     """
     name = plain(folder.absolute().name)
     return package_page("grainfit.watch", name=name, nonce=nonce)

@@ -63,12 +63,7 @@ _REPORT_POLICY = (
 
 
 def listen(port: int) -> socket.socket:
-    """Return a socket that listens on this machine alone.
-
-    Parameters
-    ----------
-    port : int
-        The port; 0 for any that is free.
+    """Return a socket that listens on this machine alone; port 0 is any that is free.
 
     Raises
     ------

@@ -29,21 +29,7 @@ def draw_compression(
     curves: Mapping[str, Curve],
     moduli: Mapping[str, Modulus],
 ) -> None:
-    """Write a PNG of stress over strain, and of the bed under the stress.
-
-    Parameters
-    ----------
-    path : Path
-        File to write; ends in ``.png``.
-    view : PotView
-        The bed under the stress.
-    setup : CompressionSetup
-        Geometry and stresses.
-    curves : mapping of str to Curve
-        Of the stages ``"seat"``, ``"load"`` and ``"unload"``.
-    moduli : mapping of str to Modulus
-        ``"loading_modulus"`` and ``"unloading_modulus"``.
-    """
+    """Write a PNG of the bed under the stress, and of stress over strain with the fitted moduli."""
     values = [f"{_NAMES[s]} {_kilo(moduli[f'{s}ing_modulus'].value)} kPa" for s in _NAMES]
     title = f"Compression: modulus of {', of '.join(values)}"
     subtitle = (

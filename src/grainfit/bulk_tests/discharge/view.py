@@ -104,12 +104,7 @@ class DischargeView(RunView):
     def picture(self, path: Path, measured: tuple[FlowRate, Response] | str) -> None:
         """Write a PNG of the rest in the container and of the mass in it over time.
 
-        Parameters
-        ----------
-        path : Path
-            File to write; ends in ``.png``.
-        measured : tuple, or str
-            Mass flow and bulk density, or the reason why there are none.
+        What was measured is mass flow and bulk density, or the reason why there are none.
         """
         flow: FlowRate | None = None
         if isinstance(measured, str):

@@ -30,14 +30,7 @@ _SPACE = 2.0
 def draw_draw_down(path: Path, surfaces: Surfaces, measured: Mapping[str, Response] | str) -> None:
     """Write a PNG of the end of a draw-down, with what was measured.
 
-    Parameters
-    ----------
-    path : Path
-        File to write; ends in ``.png``.
-    surfaces : Surfaces
-        The end of the run.
-    measured : mapping of str to Response, or str
-        The responses, or the reason why there are none.
+    That is the responses, or the reason why there are none.
     """
     if isinstance(measured, str):
         title, subtitle = "Draw-down: not valid", measured

@@ -36,18 +36,9 @@ def draw_drum(
     lining: Particles | None,
     measured: Mapping[str, Response] | str,
 ) -> None:
-    """Write a PNG of the bed at the end and of its inclination over time.
+    """Write a PNG of the bed and the lining at the end, and of the inclination over time.
 
-    Parameters
-    ----------
-    path : Path
-        File to write; ends in ``.png``.
-    angles : DrumAngles
-        The bed over time, and what is measured on it.
-    lining : Particles, optional
-        Particles that line the drum, at the end.
-    measured : mapping of str to Response, or str
-        The responses, or the reason why there are none.
+    What was measured is the responses, or the reason why there are none.
     """
     bed, flanks_of = angles.bed, ("upper_angle", "lower_angle")
     flanks: Sequence[Flank] = ()

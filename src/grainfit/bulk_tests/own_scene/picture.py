@@ -59,19 +59,7 @@ class ParticlesView(RunView):
 def draw_particles(
     path: Path, particles: Particles, name: str, responses: Mapping[str, Response]
 ) -> None:
-    """Write a PNG of the particles, seen along y.
-
-    Parameters
-    ----------
-    path : Path
-        File to write; ends in ``.png``.
-    particles : Particles
-        At the end of the run.
-    name : str
-        Name of the scene, for the title.
-    responses : mapping of str to Response
-        The measured responses.
-    """
+    """Write a PNG of the particles at the end, seen along y, with the responses of a scene."""
     places, margin = particles.positions, particles.diameter
     (left, _, bottom), (right, _, top) = places.min(axis=0), places.max(axis=0)
     extent = (left - margin, bottom - margin, right + margin, top + margin)

@@ -26,18 +26,7 @@ def draw_shear(
 ) -> None:
     """Write a PNG of the bed, and of shear stress over normal stress against strain.
 
-    Parameters
-    ----------
-    path : Path
-        File to write; ends in ``.png``.
-    view : ShearView
-        The bed at the end.
-    records : sequence of Record
-        Of all stages in which the bed is sheared.
-    transient : int
-        So many of them are thrown away.
-    angle : Response
-        Angle of internal friction, degrees.
+    The first records are the transient, which is thrown away.
     """
     title = f"Angle of internal friction {angle.value:.1f} ± {angle.standard_error:.1f}°"
     subtitle = (

@@ -70,13 +70,7 @@ def _data(context: ReportContext, metamodels: Metamodels) -> Mapping[str, Any]:
 
 
 def time_step_data(known: RayleighTimeStep) -> Mapping[str, Any]:
-    """Return what the page needs to compute Rayleigh time steps, as JSON.
-
-    Parameters
-    ----------
-    known : RayleighTimeStep
-        Of the calibration.
-    """
+    """Return what the page needs to compute Rayleigh time steps, as JSON."""
     if not known.shape:
         return known.to_json()
     ratios, radii = rayleigh_radii(known.shape)

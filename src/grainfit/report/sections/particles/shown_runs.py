@@ -71,15 +71,7 @@ class ShownRun:
 
 
 def visible(particles: Particles, most: int = _MOST_PARTICLES) -> Particles:
-    """Return the particles that can be seen from above and from the sides.
-
-    Parameters
-    ----------
-    particles : Particles
-        All of them.
-    most : int
-        Up to this number, all are returned, and never more.
-    """
+    """Return the particles that can be seen from above and from the sides; of few, all."""
     if len(particles) <= most:
         return particles
     cells = np.floor(particles.positions[:, :2] / particles.diameter).astype(np.int64)
