@@ -33,7 +33,7 @@ BROKEN = {
         INCOMPLETE(
             kind="solver",
             name="Yade",
-            missing="no contact model of the kind contact has words for it",
+            missing="no contact model of the kind contact has keywords for it",
         ),
     ),
     "the deck of a solver": (

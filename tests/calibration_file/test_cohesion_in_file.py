@@ -12,6 +12,7 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.contact_models import messages as contact_messages
 from grainfit.errors import InputError
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
@@ -74,14 +75,14 @@ def test_a_parameter_of_another_model_is_named(faults_of: Callable[..., list[Fil
     [fault] = faults_of(text=damp("jkr", "lammps"))
 
     assert fault.key == "particle_particle.cohesion_energy_density"
-    assert "is no parameter of the contact model jkr. Leave it out." in str(fault)
+    assert contact_messages.NO_EFFECT(models="jkr") in str(fault)
     assert fault.line is not None
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (damp(solver="lammps"), "belongs to the contact model sjkr, which lammps does not have"),
+        (damp(solver="lammps"), "sjkr, which lammps does not have"),
         (
             sticky().replace('"lammps"', '"liggghts"'),
             "jkr, which liggghts does not have. Use lammps",
@@ -123,7 +124,7 @@ def test_the_bond_number_is_that_of_the_intervals(tmp_path: Path) -> None:
 
 def test_particles_that_are_too_soft_for_their_cohesion_are_refused(tmp_path: Path) -> None:
     problems = describe_plan(setup_of(tmp_path, sticky('{ min = 0, max = "20 J/m^2" }'))).problems
-    assert "360000 Pa is too soft for this cohesion (jkr)" in problems[0]
+    assert contact_messages.TOO_SOFT.is_in(problems[0])
     assert "spheres overlap by 9.4 % of their diameter" in problems[0]
     assert "Give them at least 9.6e+05 Pa, or less cohesion" in problems[0]
 
@@ -139,7 +140,7 @@ def test_the_smallest_spheres_of_clumps_decide_whether_they_are_too_soft(tmp_pat
     )
     assert describe_plan(setup_of(tmp_path, text)).problems == ()
     [problem] = describe_plan(setup_of(tmp_path, slender)).problems
-    assert "too soft for this cohesion" in problem
+    assert contact_messages.TOO_SOFT.is_in(problem)
 
 
 def test_the_finest_of_several_sizes_has_its_own_bond_number(tmp_path: Path) -> None:
@@ -198,7 +199,7 @@ def test_two_models_that_are_both_free_are_refused(tmp_path: Path) -> None:
     both = sticky('{ min = 0, max = "0.5 J/m^2" }').replace(
         BETWEEN, f'{BETWEEN}cohesion_energy_density = {{ min = 0, max = "1 kJ/m^3" }}\n'
     )
-    with pytest.raises(InputError, match="sjkr and jkr cannot act together"):
+    with pytest.raises(InputError, match=contact_messages.CONTRADICTION.pattern):
         setup_of(tmp_path, both)
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.contact_models import messages as contact_messages
 from grainfit.options.places import FileFault
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -75,7 +76,7 @@ def test_damping_of_a_model_without_dashpot_is_named(
         "particle_particle.rolling_damping",
         "particle_wall.rolling_damping",
     ]
-    assert "is no parameter of the contact model epsd2. Leave it out." in str(faults[0])
+    assert contact_messages.NO_EFFECT(models="epsd2") in str(faults[0])
     assert faults[0].line is not None
 
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import pytest
 
 from grainfit.bulk_tests.heap import Heap
-from grainfit.contact_models import registry
+from grainfit.contact_models import messages, registry
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.epsd.contact_model import EPSD
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
-from grainfit.contact_models.lammps import LammpsWords, lammps_clauses
-from grainfit.contact_models.liggghts import LiggghtsWords, liggghts_model, liggghts_properties
+from grainfit.contact_models.lammps import LammpsKeywords, lammps_clauses
+from grainfit.contact_models.liggghts import LiggghtsKeywords, liggghts_model, liggghts_properties
 from grainfit.contact_models.registry import (
     CONTACT_MODELS,
     MATERIAL_PARAMETERS,
@@ -34,7 +34,7 @@ LIMITS = (0.0, 10.0)
 
 
 @dataclass(frozen=True)
-class _Adhesive(LammpsWords):
+class _Adhesive(LammpsKeywords):
     """Takes the place of the normal force, as JKR does in LAMMPS."""
 
     def clauses(self, contact):
@@ -51,9 +51,9 @@ DAMP = ContactModel(
     "damp",
     "cohesion",
     declare(CONTACTS, "cohesion", "c", "J/m^3", "cohesion", LIMITS, default=0.0),
-    (LiggghtsWords("cohesion damp", pair_properties={"cohesionEnergyDensity": "cohesion"}),),
+    (LiggghtsKeywords("cohesion damp", pair_properties={"cohesionEnergyDensity": "cohesion"}),),
 )
-UNDAMPED = replace(EPSD, name="undamped", words=(LiggghtsWords("rolling_friction undamped"),))
+UNDAMPED = replace(EPSD, name="undamped", keywords=(LiggghtsKeywords("rolling_friction undamped"),))
 MODELS = (HERTZ_MINDLIN, EPSD, UNDAMPED, STICKY, DAMP)
 STICKY_BEADS = {
     **GLASS_BEADS,
@@ -96,7 +96,7 @@ def test_a_parameter_away_from_its_default_switches_its_model_on():
     assert law.models == (HERTZ_MINDLIN, STICKY, EPSD)
 
 
-def test_the_word_of_a_later_model_replaces_that_of_an_earlier_one_in_its_place():
+def test_the_clause_of_a_later_model_replaces_that_of_an_earlier_one_in_its_place():
     law = contact_law(STICKY_BEADS, models=MODELS)
     clauses = lammps_clauses(law, Contact.between(STICKY_BEADS, 0.005, 0.005, 9.81))
     assert [clause.split()[:2] for clause in clauses] == [
@@ -106,7 +106,7 @@ def test_the_word_of_a_later_model_replaces_that_of_an_earlier_one_in_its_place(
     ]
 
 
-def test_liggghts_gets_model_words_and_properties_of_every_model():
+def test_liggghts_gets_keywords_and_properties_of_every_model():
     damp = {**GLASS_BEADS, "particle_particle.cohesion": 3.0, "particle_wall.cohesion": 1.0}
     law = contact_law(damp, models=MODELS)
     assert liggghts_model(law) == "hertz tangential history cohesion damp rolling_friction epsd"
@@ -127,7 +127,7 @@ def test_a_model_can_be_chosen_instead_of_the_one_that_acts_by_default():
 
 def test_two_models_of_a_kind_are_refused():
     material = {**STICKY_BEADS, "particle_wall.cohesion": 1.0}
-    with pytest.raises(InputError, match=r"sticky and damp cannot act together") as raised:
+    with pytest.raises(InputError, match=messages.CONTRADICTION.pattern) as raised:
         contact_law(material, models=MODELS)
     assert [fault.key for fault in raised.value.faults] == [
         "particle_particle.surface_energy",
@@ -191,10 +191,12 @@ def test_a_new_contact_model_leaves_the_runs_of_other_materials_as_they_are():
 @pytest.mark.usefixtures("cohesive")
 def test_a_solver_refuses_a_model_that_it_does_not_have():
     [fault] = contact_law_faults(STICKY_BEADS, "liggghts")
-    assert str(fault) == (
-        "particle_particle.surface_energy: belongs to the contact model sticky, which liggghts "
-        "does not have. Use lammps, or leave it out."
+    assert fault == messages.NOT_IN_SOLVER.fault(
+        "particle_particle.surface_energy",
+        model="sticky",
+        solver="liggghts",
+        remedy="Use lammps, or leave it out.",
     )
     assert contact_law_faults(STICKY_BEADS, "lammps") == []
-    with pytest.raises(InputError, match="which liggghts does not have"):
+    with pytest.raises(InputError, match=messages.NOT_IN_SOLVER.pattern):
         Liggghts(Heap(ParticleSizes((0.010,))), STICKY_BEADS)

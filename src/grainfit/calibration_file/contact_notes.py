@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.registry import COHESION, contact_law, idle_models
+from grainfit.contact_models.registry import COHESION, contact_law, inactive_models
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
@@ -22,9 +22,8 @@ def chosen_model_lines(file: CalibrationFile) -> Iterator[str]:
         The calibration file.
     """
     largest = {p.name: p.maximum for p in file.parameters}
-    idle = {
-        model.name: model for model in idle_models({**file.fixed, **largest}, file.contact_models)
-    }
+    known = {**file.fixed, **largest}
+    idle = {model.name: model for model in inactive_models(known, file.contact_models)}
     if acting := [name for name in file.contact_models if name not in idle]:
         yield f"Contact model instead of the usual one: {', '.join(acting)}."
     for name, model in idle.items():

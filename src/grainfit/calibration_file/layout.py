@@ -20,11 +20,11 @@ from grainfit.calibration_file.walls import (
 from grainfit.contact_models.base import Kind
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,
+    default_models,
+    inactive_parameters,
     no_effect,
-    parameters_without_effect,
+    non_default_models,
     selectable_models,
-    unusual_models,
-    usual_models,
 )
 from grainfit.errors import InputError
 from grainfit.materials.diameters import Diameters
@@ -148,15 +148,15 @@ def _contact_model_keys() -> tuple[Key, ...]:
             Choice(names),
             f"Model of {_KINDS[kind]}.",
             default=_usual_words(kind),
-            example=f'"{next(name for name in names if name not in usual_models(kind))}"',
+            example=f'"{next(name for name in names if name not in default_models(kind))}"',
         )
         for kind, names in selectable_models().items()
     )
 
 
 def _usual_words(kind: Kind) -> str:
-    usual = " or ".join(f'"{name}"' for name in usual_models(kind))
-    return usual if len(usual_models(kind)) == 1 else f"{usual}, by the parameter given"
+    usual = " or ".join(f'"{name}"' for name in default_models(kind))
+    return usual if len(default_models(kind)) == 1 else f"{usual}, by the parameter given"
 
 
 LAYOUT = Table(
@@ -239,7 +239,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
 
 def chosen_models(values: Values) -> tuple[str, ...]:
     """Return the contact models that a file chooses, without those that act anyway."""
-    return unusual_models(_named_models(values))
+    return non_default_models(_named_models(values))
 
 
 def _named_models(values: Values) -> tuple[str, ...]:
@@ -301,7 +301,7 @@ def _words(simulated: list[TestWalls]) -> str:
 
 
 def _note_missing_material(simulated: list[TestWalls], values: Values, place: Place) -> None:
-    without_effect = parameters_without_effect(chosen_models(values))
+    without_effect = inactive_parameters(chosen_models(values))
     declared = declared_walls(values)
     needed = {
         on_wall(name, wall)
@@ -354,7 +354,7 @@ def _note_missing_keys(
 def _note_parameters_without_effect(values: Values, place: Place) -> None:
     # Those that would act anyway too: of a kind with several, the others are not meant.
     chosen = _named_models(values)
-    without_effect = parameters_without_effect(chosen)
+    without_effect = inactive_parameters(chosen)
     for name in sorted(material_values(values)):
         if plain_name(name) in without_effect:
             fault = no_effect(name, chosen)

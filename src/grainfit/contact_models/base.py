@@ -42,7 +42,7 @@ Kind = Literal["contact", "cohesion", "rolling"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
-class SolverWords:
+class SolverKeywords:
     """Keywords of a contact model for one solver; each solver has its own class."""
 
     #: Name of the solver.
@@ -87,7 +87,7 @@ class ContactModel:
         One model of each kind acts at a time.
     parameters : tuple of MaterialParameter
         Models of one kind may share a parameter.
-    words : tuple of SolverWords
+    keywords : tuple of SolverKeywords
         One for each solver that has the model.
     dashpots : tuple of str
         Names of parameters of rolling dashpots, which limit the time step, and which solvers
@@ -101,7 +101,7 @@ class ContactModel:
     name: str
     kind: Kind
     parameters: tuple[MaterialParameter, ...]
-    words: tuple[SolverWords, ...]
+    keywords: tuple[SolverKeywords, ...]
     dashpots: tuple[str, ...] = ()
     safe_time_step: Callable[[Mapping[str, float]], float] | None = None
     attraction: Callable[[Contact], Attraction] | None = None
@@ -109,7 +109,7 @@ class ContactModel:
     @property
     def solvers(self) -> tuple[str, ...]:
         """Names of the solvers that have the model."""
-        return tuple(words.solver for words in self.words)
+        return tuple(keywords.solver for keywords in self.keywords)
 
     @property
     def is_optional(self) -> bool:
@@ -132,8 +132,8 @@ class ContactModel:
             yield f"its kind {self.kind!r} is none of {', '.join(KINDS)}"
         if not names:
             yield "parameters are missing"
-        if not self.words:
-            yield "no solver has words for it"
+        if not self.keywords:
+            yield "no solver has keywords for it"
         if self.kind == "cohesion" and self.attraction is None:
             yield "attraction is missing"
         for parameter in self.parameters:
@@ -166,9 +166,9 @@ class ContactLaw:
     models: tuple[ContactModel, ...]
 
     @property
-    def words(self) -> list[SolverWords]:
+    def keywords(self) -> list[SolverKeywords]:
         """Keywords of all models, for all solvers."""
-        return [words for model in self.models for words in model.words]
+        return [keywords for model in self.models for keywords in model.keywords]
 
     @property
     def defaults(self) -> dict[str, float]:
@@ -210,14 +210,14 @@ class ContactLaw:
         solvers : collection of str
             Names of two solvers or more.
         """
-        found = [words.difference for words in self.words if words.solver in solvers]
+        found = [keywords.difference for keywords in self.keywords if keywords.solver in solvers]
         if not any(found):
             damped = [model for model in self.models if model.is_damped(material)]
-            used = (words for m in damped for words in m.words if words.solver in solvers)
-            found = [words.dashpot_difference for words in used]
+            used = (one for m in damped for one in m.keywords if one.solver in solvers)
+            found = [one.dashpot_difference for one in used]
         return " ".join(filter(None, found))
 
     def needs(self, solver: str) -> set[str]:
         """Return the names of the parameters that a solver computes these contacts with."""
         found = {parameter.name for model in self.models for parameter in model.parameters}
-        return found - {name for w in self.words if w.solver == solver for name in w.unused}
+        return found - {name for w in self.keywords if w.solver == solver for name in w.unused}

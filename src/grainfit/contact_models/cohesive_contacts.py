@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from grainfit.contact_models import messages
 from grainfit.contact_models.base import LARGEST_OVERLAP, Attraction, ContactLaw
 from grainfit.contact_models.contact import Contact
 from grainfit.errors import Fault
@@ -77,31 +78,32 @@ def overlap_faults(
     largest = max(cohesive_contact(law, contact).overlap for contact in contacts)
     if largest <= LARGEST_OVERLAP:
         return []
-    message = (
-        f"{material[_MODULUS]:g} Pa is too soft for this cohesion ({cohesion.name}): without any "
-        f"load, spheres overlap by {100 * largest:.2g} % of their diameter."
-    )
     moduli = (material[_MODULUS] * _STEP**number for number in range(_STEPS))
     enough = (e for e in moduli if _largest_overlap(law, contacts, e) < LARGEST_OVERLAP)
-    remedy = "Give them less cohesion"
-    if (modulus := next(enough, None)) is not None:
-        remedy = f"Give them at least {modulus:.2g} Pa, or less cohesion"
-    return [
-        Fault(_MODULUS, message, f"{remedy}: {100 * LARGEST_OVERLAP:g} % or less is simulated.")
-    ]
+    modulus = next(enough, None)
+    remedy = "less cohesion" if modulus is None else f"at least {modulus:.2g} Pa, or less cohesion"
+    fault = messages.TOO_SOFT.fault(
+        _MODULUS,
+        modulus=material[_MODULUS],
+        model=cohesion.name,
+        overlap=100 * largest,
+        remedy=remedy,
+        limit=100 * LARGEST_OVERLAP,
+    )
+    return [fault]
 
 
 def contacts_of(
     material: Mapping[str, float], diameter: float, gravity: float
 ) -> dict[str, Contact]:
-    """Return the contacts of two equal particles, and of one with every wall, by their words."""
+    """Return the contacts of two equal particles, and of one with every wall, by name."""
     radius = diameter / 2
     found = {"two particles": Contact.between(material, radius, radius, gravity)}
     for wall in walls_among(material):
         own = material_on(material, wall)
         if own.keys() >= _OF_WALL:
-            words = f"a particle and {wall or 'a wall'}"
-            found[words] = Contact.on_wall(own, radius, gravity)
+            name = f"a particle and {wall or 'a wall'}"
+            found[name] = Contact.on_wall(own, radius, gravity)
     return found
 
 

@@ -6,11 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
-from grainfit.contact_models.base import ContactLaw, SolverWords
+from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
 
 
-class LammpsWords(SolverWords, ABC):
+class LammpsKeywords(SolverKeywords, ABC):
     """Keywords of a contact model for LAMMPS."""
 
     solver: ClassVar[str] = "lammps"
@@ -31,14 +31,14 @@ class LammpsWords(SolverWords, ABC):
         return self.legend
 
 
-def lammps_words(law: ContactLaw) -> list[LammpsWords]:
+def lammps_keywords(law: ContactLaw) -> list[LammpsKeywords]:
     """Return the LAMMPS keywords of all models of a contact law that have them."""
-    return [words for words in law.words if isinstance(words, LammpsWords)]
+    return [keywords for keywords in law.keywords if isinstance(keywords, LammpsKeywords)]
 
 
 def lammps_clauses(law: ContactLaw, contact: Contact) -> list[str]:
     """Return all clauses for a contact, in the order that LAMMPS needs."""
     clauses: dict[str, str] = {}
-    for words in lammps_words(law):
-        clauses |= words.clauses(contact)
+    for keywords in lammps_keywords(law):
+        clauses |= keywords.clauses(contact)
     return list(clauses.values())

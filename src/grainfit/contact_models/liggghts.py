@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Generic, TypeVar
 
-from grainfit.contact_models.base import ContactLaw, SolverWords
+from grainfit.contact_models.base import ContactLaw, SolverKeywords
 
 Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class LiggghtsWords(SolverWords):
+class LiggghtsKeywords(SolverKeywords):
     """Keywords of a contact model for LIGGGHTS.
 
     Parameters
@@ -23,7 +23,7 @@ class LiggghtsWords(SolverWords):
         ``property/global`` of type ``peratomtype`` and ``peratomtypepair``, with the key of its
         parameter in the sections of bodies and of contacts.
     dashpot_difference : str
-        See `SolverWords`.
+        See `SolverKeywords`.
     """
 
     solver: ClassVar[str] = "liggghts"
@@ -33,14 +33,14 @@ class LiggghtsWords(SolverWords):
     dashpot_difference: str = ""
 
 
-def liggghts_words(law: ContactLaw) -> list[LiggghtsWords]:
+def liggghts_keywords(law: ContactLaw) -> list[LiggghtsKeywords]:
     """Return the LIGGGHTS keywords of all models of a contact law that have them."""
-    return [words for words in law.words if isinstance(words, LiggghtsWords)]
+    return [keywords for keywords in law.keywords if isinstance(keywords, LiggghtsKeywords)]
 
 
 def liggghts_model(law: ContactLaw) -> str:
     """Return the keywords of ``gran model``, for pairs and walls alike."""
-    return " ".join(words.model for words in liggghts_words(law))
+    return " ".join(keywords.model for keywords in liggghts_keywords(law))
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,9 @@ def liggghts_properties(
         For each type of walls, the material by dotted name, with the parameters of that wall.
         Values are numbers, or texts that stand for them.
     """
-    found = liggghts_words(law)
-    bodies = {name: key for words in found for name, key in words.body_properties.items()}
-    pairs = {name: key for words in found for name, key in words.pair_properties.items()}
+    found = liggghts_keywords(law)
+    bodies = {name: key for keywords in found for name, key in keywords.body_properties.items()}
+    pairs = {name: key for keywords in found for name, key in keywords.pair_properties.items()}
     return LiggghtsProperties(
         {name: _of_bodies(key, walls) for name, key in bodies.items()},
         {name: _of_pairs(key, walls) for name, key in pairs.items()},

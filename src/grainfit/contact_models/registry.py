@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from grainfit.contact_models import messages
 from grainfit.contact_models.base import KINDS, ContactLaw, ContactModel, Kind
 from grainfit.contact_models.dmt.contact_model import DMT
 from grainfit.contact_models.epsd.contact_model import EPSD
@@ -160,43 +161,41 @@ def contact_law(
     """
     chosen = tuple(chosen)
     models = tuple(models)
-    laws = (_acting([m for m in models if m.kind == kind], material, chosen) for kind in KINDS)
-    return ContactLaw(tuple(model for acting in laws for model in acting))
+    kinds = ([model for model in models if model.kind == kind] for kind in KINDS)
+    active = (_active_of_kind(of_kind, material, chosen) for of_kind in kinds)
+    return ContactLaw(tuple(model for of_kind in active for model in of_kind))
 
 
-def _acting(
+def _active_of_kind(
     models: list[ContactModel], material: Mapping[str, float], chosen: tuple[str, ...]
 ) -> list[ContactModel]:
     """Return the model of one kind that acts, or none."""
     named = [model for model in models if model.name in chosen]
     asked_for = [model for model in named if not model.is_optional]
-    asked_for += [m for m in _standing(models, named) if m.set_parameters(material)]
+    asked_for += [m for m in _optional_defaults(models, named) if m.set_parameters(material)]
     if len(named) > 1 or len(asked_for) > 1:
         wrong = named if len(named) > 1 else asked_for
         raise InputError([_contradiction(model, wrong, material) for model in wrong])
     return (asked_for or [model for model in models if not model.is_optional])[:1]
 
 
-def _standing(
+def _optional_defaults(
     models: Iterable[ContactModel], named: Iterable[ContactModel] = ()
 ) -> list[ContactModel]:
     """Return the optional models, of those that share parameters the named or the first one."""
-    standing: list[ContactModel] = []
+    defaults: list[ContactModel] = []
     for model in (*named, *models):
-        if model.is_optional and not any(model.shares_parameters(other) for other in standing):
-            standing.append(model)
-    return standing
+        if model.is_optional and not any(model.shares_parameters(other) for other in defaults):
+            defaults.append(model)
+    return defaults
 
 
 def _contradiction(
     model: ContactModel, others: list[ContactModel], material: Mapping[str, float]
 ) -> Fault:
     names = " and ".join(other.name for other in others)
-    return Fault(
-        ", ".join(model.set_parameters(material)) or model.name,
-        f"belongs to the contact model {model.name}; {names} cannot act together.",
-        "Leave out the parameters of all but one of them.",
-    )
+    key = ", ".join(model.set_parameters(material)) or model.name
+    return messages.CONTRADICTION.fault(key, model=model.name, models=names)
 
 
 def needed_models() -> dict[Kind, tuple[ContactModel, ...]]:
@@ -207,7 +206,7 @@ def needed_models() -> dict[Kind, tuple[ContactModel, ...]]:
 
 
 def selectable_models() -> dict[Kind, tuple[str, ...]]:
-    """Return the names of the models that can be chosen by name, by kind, the usual one first.
+    """Return the names of the models that can be chosen by name, by kind, the default first.
 
     Of a kind with one model, and of models that each act through parameters of their own, nothing
     need be chosen.
@@ -216,20 +215,20 @@ def selectable_models() -> dict[Kind, tuple[str, ...]]:
     return {
         kind: tuple(model.name for model in models)
         for kind, models in kinds.items()
-        if len(models) > len(_usual(models))
+        if len(models) > len(_defaults(models))
     }
 
 
-def usual_models(kind: Kind) -> tuple[str, ...]:
+def default_models(kind: Kind) -> tuple[str, ...]:
     """Return the names of the models of a kind that act without being chosen."""
-    return tuple(model.name for model in _usual([m for m in CONTACT_MODELS if m.kind == kind]))
+    return tuple(model.name for model in _defaults([m for m in CONTACT_MODELS if m.kind == kind]))
 
 
-def _usual(models: list[ContactModel]) -> list[ContactModel]:
-    return [*[model for model in models if not model.is_optional][:1], *_standing(models)]
+def _defaults(models: list[ContactModel]) -> list[ContactModel]:
+    return [*[model for model in models if not model.is_optional][:1], *_optional_defaults(models)]
 
 
-def unusual_models(chosen: Iterable[str]) -> tuple[str, ...]:
+def non_default_models(chosen: Iterable[str]) -> tuple[str, ...]:
     """Return the chosen models without those that act anyway: part of a run's identity.
 
     Raises
@@ -239,32 +238,29 @@ def unusual_models(chosen: Iterable[str]) -> tuple[str, ...]:
     """
     chosen = tuple(chosen)
     selectable = selectable_models()
+    known = [name for names in selectable.values() for name in names]
     faults = [
-        Fault(
-            "contact_models",
-            f"{name!r} is no model to choose.",
-            f"Use {', '.join(n for names in selectable.values() for n in names)}.",
-        )
+        messages.UNKNOWN_MODEL.fault("contact_models", name=name, known=", ".join(known))
         for name in chosen
-        if not any(name in names for names in selectable.values())
+        if name not in known
     ]
     if faults:
         raise InputError(faults)
     contact_law({}, chosen)
-    usual = {name for kind in selectable for name in usual_models(kind)}
-    return tuple(name for name in dict.fromkeys(chosen) if name not in usual)
+    defaults = {name for kind in selectable for name in default_models(kind)}
+    return tuple(name for name in dict.fromkeys(chosen) if name not in defaults)
 
 
-def parameters_without_effect(chosen: Iterable[str]) -> frozenset[str]:
+def inactive_parameters(chosen: Iterable[str]) -> frozenset[str]:
     """Return the names of parameters that belong only to models replaced by the chosen ones."""
     chosen = tuple(chosen)
     named = [model for model in CONTACT_MODELS if model.name in chosen]
     kinds = {model.kind for model in named}
-    acting = [*contact_law({}, chosen).models, *named]
+    active = [*contact_law({}, chosen).models, *named]
     replaced = [
-        m for m in CONTACT_MODELS if m not in acting and (m.kind in kinds or not m.is_optional)
+        m for m in CONTACT_MODELS if m not in active and (m.kind in kinds or not m.is_optional)
     ]
-    return frozenset(_names(replaced) - _names(acting))
+    return frozenset(_names(replaced) - _names(active))
 
 
 def _names(models: Iterable[ContactModel]) -> set[str]:
@@ -292,14 +288,14 @@ def contact_law_faults(
         return list(error.faults)
     return [
         *(_not_in(solver, model, material) for model in law.without(solver)),
-        *idle_faults(material, chosen),
+        *inactive_faults(material, chosen),
     ]
 
 
-def idle_faults(material: Mapping[str, float], chosen: Iterable[str]) -> list[Fault]:
+def inactive_faults(material: Mapping[str, float], chosen: Iterable[str]) -> list[Fault]:
     """Return the faults of values that have no effect with the chosen contact models."""
     chosen = tuple(chosen)
-    without_effect = parameters_without_effect(chosen)
+    without_effect = inactive_parameters(chosen)
     return [
         no_effect(name, chosen)
         for name in sorted(material)
@@ -308,7 +304,7 @@ def idle_faults(material: Mapping[str, float], chosen: Iterable[str]) -> list[Fa
     ]
 
 
-def idle_models(material: Mapping[str, float], chosen: Iterable[str]) -> list[ContactModel]:
+def inactive_models(material: Mapping[str, float], chosen: Iterable[str]) -> list[ContactModel]:
     """Return the chosen models that do nothing, because their parameters are at their defaults."""
     chosen = tuple(chosen)
     return [
@@ -320,16 +316,12 @@ def idle_models(material: Mapping[str, float], chosen: Iterable[str]) -> list[Co
 
 def no_effect(name: str, chosen: Iterable[str]) -> Fault:
     """Return the fault of a parameter that the chosen contact models do not have."""
-    models = " and ".join(chosen)
-    return Fault(name, f"is no parameter of the contact model {models}.", "Leave it out.")
+    return messages.NO_EFFECT.fault(name, models=" and ".join(chosen))
 
 
 def _not_in(solver: str, model: ContactModel, material: Mapping[str, float]) -> Fault:
-    return Fault(
-        ", ".join(model.set_parameters(material)) or model.name,
-        f"belongs to the contact model {model.name}, which {solver} does not have.",
-        _instead(solver, model),
-    )
+    key, remedy = ", ".join(model.set_parameters(material)) or model.name, _instead(solver, model)
+    return messages.NOT_IN_SOLVER.fault(key, model=model.name, solver=solver, remedy=remedy)
 
 
 def _instead(solver: str, model: ContactModel) -> str:

@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
-from grainfit.contact_models.base import ContactLaw, SolverWords
+from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
 from grainfit.materials.walls import on_wall, walls_among
 
@@ -23,7 +23,7 @@ class YadeArgument(NamedTuple):
     remark: str = ""
 
 
-class YadeWords(SolverWords, ABC):
+class YadeKeywords(SolverKeywords, ABC):
     """Keywords of a contact model for YADE.
 
     Without a ``MatchMaker``, a functor has one number for all contacts: that of two equal
@@ -74,21 +74,21 @@ def values_on_walls(contact: Contact, key: str) -> str:
     return "; that of the material is\n" + ",\n".join(lines) if lines else ""
 
 
-def yade_words(law: ContactLaw) -> list[YadeWords]:
+def yade_keywords(law: ContactLaw) -> list[YadeKeywords]:
     """Return the YADE keywords of all models of a contact law that have them."""
-    return [words for words in law.words if isinstance(words, YadeWords)]
+    return [keywords for keywords in law.keywords if isinstance(keywords, YadeKeywords)]
 
 
 def yade_physics(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
     """Return all arguments of the ``Ip2`` functor."""
-    return [argument for words in yade_words(law) for argument in words.physics(contact)]
+    return [argument for keywords in yade_keywords(law) for argument in keywords.physics(contact)]
 
 
 def yade_law(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
     """Return all arguments of the ``Law2`` functor."""
-    return [argument for words in yade_words(law) for argument in words.law(contact)]
+    return [argument for keywords in yade_keywords(law) for argument in keywords.law(contact)]
 
 
 def yade_on_wall(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
     """Return all attributes of a contact with a wall that no functor can give it."""
-    return [argument for words in yade_words(law) for argument in words.on_wall(contact)]
+    return [argument for keywords in yade_keywords(law) for argument in keywords.on_wall(contact)]

@@ -26,7 +26,7 @@ def _missing(program: type[DeckSolver]) -> Iterator[str]:
     name = getattr(program, "name", "")
     for kind, models in needed_models().items():
         if not any(name in model.solvers for model in models):
-            yield f"no contact model of the kind {kind} has words for it"
+            yield f"no contact model of the kind {kind} has keywords for it"
 
 
 for _program in _PROGRAMS:

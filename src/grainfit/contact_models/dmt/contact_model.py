@@ -12,6 +12,6 @@ DMT = ContactModel(
     name="dmt",
     kind="cohesion",
     parameters=SURFACE_ENERGY,
-    words=(DmtLammps(), DmtYade()),
+    keywords=(DmtLammps(), DmtYade()),
     attraction=attraction,
 )

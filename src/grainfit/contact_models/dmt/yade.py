@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.dmt.model import pull_off_force
-from grainfit.contact_models.yade import YadeArgument, YadeWords, values_on_walls
+from grainfit.contact_models.yade import YadeArgument, YadeKeywords, values_on_walls
 
 _NOTES = """\
 COHESION: gamma is the surface energy (the work of adhesion is twice as much), one for all contacts:
@@ -18,7 +18,7 @@ that of two particles.
       with a restitution of 0.79 part with 0.80, those with 0.3 with 0.42."""
 
 
-class DmtYade(YadeWords):
+class DmtYade(YadeKeywords):
     """One surface energy for all contacts of the functor."""
 
     difference = (

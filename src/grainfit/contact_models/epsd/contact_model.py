@@ -36,6 +36,6 @@ EPSD = ContactModel(
         *ROLLING_FRICTION,
         *_ROLLING_DAMPING,
     ),
-    words=(EpsdLammps(), EPSD_LIGGGHTS, EpsdYade()),
+    keywords=(EpsdLammps(), EPSD_LIGGGHTS, EpsdYade()),
     dashpots=tuple(parameter.name for parameter in _ROLLING_DAMPING),
 )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
-from grainfit.contact_models.lammps import LammpsWords
+from grainfit.contact_models.lammps import LammpsKeywords
 
 _NOTES = """\
 rolling sds: stiffness k (N/m), damping (N s/m), rolling friction; they stand for the rolling
@@ -17,7 +17,7 @@ this density and a gravity of {gravity} m/s^2. For other particles, or far large
 work out k and damping again (docs/heap_test.md of grainfit)."""
 
 
-class EpsdLammps(LammpsWords):
+class EpsdLammps(LammpsKeywords):
     """``rolling sds`` with the stiffness that EPSD has at the typical load of the contact."""
 
     legend = "Rolling (EPSD): stiffness N/m, damping N s/m, rolling friction."

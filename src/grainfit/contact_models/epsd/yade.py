@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
-from grainfit.contact_models.yade import YadeArgument, YadeWords, values_on_walls
+from grainfit.contact_models.yade import YadeArgument, YadeKeywords, values_on_walls
 
 _NOTES = """\
 ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the values.
@@ -21,7 +21,7 @@ ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the v
     - YADE has no rolling dashpot: rolling damping is left out."""  # noqa: E501 (lines of a card)
 
 
-class EpsdYade(YadeWords):
+class EpsdYade(YadeKeywords):
     """One rolling stiffness and one limit of the moment, those of two equal particles."""
 
     difference = "Rolling friction is not quite the same in YADE, which has no rolling dashpot."

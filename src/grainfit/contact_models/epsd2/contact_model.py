@@ -12,5 +12,5 @@ EPSD2 = ContactModel(
     name="epsd2",
     kind="rolling",
     parameters=ROLLING_FRICTION,
-    words=(Epsd2Lammps(), EPSD2_LIGGGHTS, Epsd2Yade()),
+    keywords=(Epsd2Lammps(), EPSD2_LIGGGHTS, Epsd2Yade()),
 )

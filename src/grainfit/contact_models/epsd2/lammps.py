@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd2.model import rolling_stiffness_of
-from grainfit.contact_models.lammps import LammpsWords
+from grainfit.contact_models.lammps import LammpsKeywords
 
 _NOTES = """\
 rolling sds: stiffness k (N/m), damping 0, rolling friction; they stand for the rolling friction
@@ -16,7 +16,7 @@ gravity of {gravity} m/s^2. For other particles, or far larger loads, work out k
 (docs/heap_test.md of grainfit)."""
 
 
-class Epsd2Lammps(LammpsWords):
+class Epsd2Lammps(LammpsKeywords):
     """``rolling sds`` with the stiffness that EPSD2 has at the typical load of the contact."""
 
     legend = "Rolling (EPSD2): stiffness N/m, no damping, rolling friction."

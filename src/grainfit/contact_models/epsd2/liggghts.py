@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from grainfit.contact_models.liggghts import LiggghtsWords
+from grainfit.contact_models.liggghts import LiggghtsKeywords
 
-EPSD2_LIGGGHTS = LiggghtsWords(
+EPSD2_LIGGGHTS = LiggghtsKeywords(
     model="rolling_friction epsd2",
     pair_properties={"coefficientRollingFriction": "rolling_friction"},
 )

@@ -32,6 +32,6 @@ HERTZ_MINDLIN = ContactModel(
             example="0.8",
         ),
     ),
-    words=(HertzMindlinLammps(), HERTZ_MINDLIN_LIGGGHTS, HertzMindlinYade()),
+    keywords=(HertzMindlinLammps(), HERTZ_MINDLIN_LIGGGHTS, HertzMindlinYade()),
     safe_time_step=safe_time_step,
 )

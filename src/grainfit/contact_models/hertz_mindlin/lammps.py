@@ -10,10 +10,10 @@ from grainfit.contact_models.hertz_mindlin.model import (
     tangential_damping_ratio,
     tangential_stiffness,
 )
-from grainfit.contact_models.lammps import LammpsWords
+from grainfit.contact_models.lammps import LammpsKeywords
 
 
-class HertzMindlinLammps(LammpsWords):
+class HertzMindlinLammps(LammpsKeywords):
     """``hertz/material`` with ``damping coeff_restitution``, and ``tangential mindlin``."""
 
     legend = (

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from grainfit.contact_models.liggghts import LiggghtsWords
+from grainfit.contact_models.liggghts import LiggghtsKeywords
 
-HERTZ_MINDLIN_LIGGGHTS = LiggghtsWords(
+HERTZ_MINDLIN_LIGGGHTS = LiggghtsKeywords(
     model="hertz tangential history",
     body_properties={"youngsModulus": "youngs_modulus", "poissonsRatio": "poissons_ratio"},
     pair_properties={

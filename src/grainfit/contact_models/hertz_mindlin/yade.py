@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.model import particle_moduli
-from grainfit.contact_models.yade import YadeArgument, YadeWords
+from grainfit.contact_models.yade import YadeArgument, YadeKeywords
 
 #: 1/Pa: a body that hardly deforms, in place of one that does not at all.
 _LEAST_COMPLIANCE = 1e-30
 
 
-class HertzMindlinYade(YadeWords):
+class HertzMindlinYade(YadeKeywords):
     """``en`` and ``frictAngle`` of ``Ip2_FrictMat_FrictMat_MindlinPhys``."""
 
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (names only)

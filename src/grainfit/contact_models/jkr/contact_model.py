@@ -24,6 +24,6 @@ JKR = ContactModel(
     name="jkr",
     kind="cohesion",
     parameters=SURFACE_ENERGY,
-    words=(JkrLammps(),),
+    keywords=(JkrLammps(),),
     attraction=attraction,
 )

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.lammps import elastic_coefficients
-from grainfit.contact_models.lammps import LammpsWords
+from grainfit.contact_models.lammps import LammpsKeywords
 from grainfit.contact_models.mass_damping import mass_damping
 
 _NOTES = """\
@@ -17,7 +17,7 @@ without cohesion has the restitution of the material at the speed sqrt(g d), wit
 {gravity} m/s^2; slower impacts have less, faster ones more."""
 
 
-class JkrLammps(LammpsWords):
+class JkrLammps(LammpsKeywords):
     """``jkr`` with ``damping mass_velocity``; Hertz stays where there is no surface energy."""
 
     name: ClassVar[str] = "jkr"

@@ -23,6 +23,6 @@ SJKR = ContactModel(
     name="sjkr",
     kind="cohesion",
     parameters=COHESION_ENERGY_DENSITY,
-    words=(SJKR_LIGGGHTS,),
+    keywords=(SJKR_LIGGGHTS,),
     attraction=attraction,
 )

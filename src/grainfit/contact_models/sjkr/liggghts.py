@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from grainfit.contact_models.liggghts import LiggghtsWords
+from grainfit.contact_models.liggghts import LiggghtsKeywords
 
-SJKR_LIGGGHTS = LiggghtsWords(
+SJKR_LIGGGHTS = LiggghtsKeywords(
     model="cohesion sjkr",
     pair_properties={"cohesionEnergyDensity": "cohesion_energy_density"},
 )

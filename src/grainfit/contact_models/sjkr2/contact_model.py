@@ -11,6 +11,6 @@ SJKR2 = ContactModel(
     name="sjkr2",
     kind="cohesion",
     parameters=COHESION_ENERGY_DENSITY,
-    words=(SJKR2_LIGGGHTS,),
+    keywords=(SJKR2_LIGGGHTS,),
     attraction=attraction,
 )

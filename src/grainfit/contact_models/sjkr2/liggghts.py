@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from grainfit.contact_models.liggghts import LiggghtsWords
+from grainfit.contact_models.liggghts import LiggghtsKeywords
 
-SJKR2_LIGGGHTS = LiggghtsWords(
+SJKR2_LIGGGHTS = LiggghtsKeywords(
     model="cohesion sjkr2",
     pair_properties={"cohesionEnergyDensity": "cohesion_energy_density"},
 )

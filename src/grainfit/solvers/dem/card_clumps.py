@@ -49,7 +49,7 @@ def card_clumps(sizes: ParticleSizes | None, density: float) -> list[CardClump]:
     return [card_clump(spheres, index, density) for index in range(len(spheres.diameters))]
 
 
-def clump_words(sizes: ParticleSizes | None) -> list[str]:
+def clump_comments(sizes: ParticleSizes | None) -> list[str]:
     """Return the comments that say which clumps the particles are; none for spheres."""
     if sizes is None or sizes.clump is None:
         return []
@@ -78,7 +78,7 @@ def clump_lines(
     for clump in card_clumps(sizes, density):
         lines += ["", f"Clump {clump.number}, with the volume of a sphere of {clump.diameter!r} m:"]
         lines += [f"    {line}".rstrip() for line in write(clump)]
-    return [*clump_words(sizes), *(f"# {line}".rstrip() for line in lines)]
+    return [*clump_comments(sizes), *(f"# {line}".rstrip() for line in lines)]
 
 
 def card_clump(spheres: ClumpSpheres, index: int, density: float) -> CardClump:

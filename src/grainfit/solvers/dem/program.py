@@ -28,12 +28,12 @@ from grainfit.contact_models.registry import (
     contact_law,
     contact_law_faults,
     default_values,
-    idle_faults,
+    inactive_faults,
+    inactive_parameters,
     material_parameter,
+    non_default_models,
     parameters_of_walls,
-    parameters_without_effect,
     simulated_material,
-    unusual_models,
     with_defaults,
 )
 from grainfit.errors import (
@@ -121,12 +121,12 @@ class DeckSolver(Solver):
         self._parts = PartsOnWalls(test, walls or {})
         self.material = _in_si(material)
         named = tuple(contact_models)
-        self.contact_models = unusual_models(named)
+        self.contact_models = non_default_models(named)
         shape = test.sizes.shape
         if shape is not None and shape.aspect_ratio is not None:
             self.material.setdefault(ASPECT_RATIO, shape.aspect_ratio)
         self._require_possible(self.material)
-        faults = [*self._material_faults(self.material), *idle_faults(self.material, named)]
+        faults = [*self._material_faults(self.material), *inactive_faults(self.material, named)]
         if faults:
             raise InputError(faults)
         self.ranks = ranks
@@ -212,7 +212,7 @@ class DeckSolver(Solver):
         used = self._parts.used(given)
         values = with_defaults(given)
         self._require_possible(values)
-        idle = parameters_without_effect(self.contact_models)
+        idle = inactive_parameters(self.contact_models)
         needed = [name for name in parameters_of_walls(used) if plain_name(name) not in idle]
         missing = [name for name in needed if name not in values]
         if missing:

@@ -17,7 +17,7 @@ from grainfit.scenes.run_output import STAGES, STAGES_HEADER, series_file, snaps
 from grainfit.scenes.scene import Load, Motion, Scene, Stage, Wall, load_on
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.script_glued import COLUMN, LOOSE, GluedSets
-from grainfit.solvers.dem.script_words import command, continued, heading
+from grainfit.solvers.dem.script_syntax import command, continued, heading
 
 PARTICLES = "particles.data"
 #: Name of the dump of the whole run: one that no snapshot of a scene has.

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from grainfit.scenes.records import Force, Travel
 from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage
-from grainfit.solvers.dem.script_words import command
+from grainfit.solvers.dem.script_syntax import command
 
 #: Group of all particles that are not glued, and column of a dump with the number of the set.
 LOOSE, COLUMN = "loose", "v_glued"

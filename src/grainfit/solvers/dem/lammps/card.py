@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.lammps import lammps_clauses, lammps_words
+from grainfit.contact_models.lammps import lammps_clauses, lammps_keywords
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.materials.sizes import ParticleSizes
@@ -86,7 +86,7 @@ def render_lammps(card: MaterialCard) -> str:
             "clump": clump_lines(sizes, material["particle.density"], lammps_molecule),
             "variables": list(variables(card.parameters, taken)),
             "about": about,
-            "notes": comments(words.notes(card.gravity) for words in lammps_words(law)),
+            "notes": comments(keywords.notes(card.gravity) for keywords in lammps_keywords(law)),
             "particle_contacts": between,
             "wall_contacts": walls,
         },

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grainfit.scenes.scene import Scene
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.solvers.dem.rigid_bodies import rigid_bodies
-from grainfit.solvers.dem.script_words import command, continued
+from grainfit.solvers.dem.script_syntax import command, continued
 from grainfit.solvers.dem.sphere_types import SphereTypes
 
 BODIES = "clumps.txt"

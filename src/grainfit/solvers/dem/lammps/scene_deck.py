@@ -7,13 +7,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
-from grainfit.contact_models.lammps import lammps_clauses, lammps_words
+from grainfit.contact_models.lammps import lammps_clauses, lammps_keywords
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
 from grainfit.solvers.dem.lammps.rigid_clumps import BODIES, RigidClumps
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
-from grainfit.solvers.dem.script_words import command, continued, heading
+from grainfit.solvers.dem.script_syntax import command, continued, heading
 from grainfit.solvers.dem.sphere_types import SphereTypes
 
 #: Concepts that LAMMPS does not have, with the reason and what to use instead.
@@ -134,7 +134,7 @@ class LammpsSceneDeck(ScriptDeck):
     def contacts(self) -> Iterator[str]:
         """Iterate over the contact law of each pair of sizes."""
         yield heading("particles: one type for each diameter")
-        yield from (f"# {words.legend}" for words in lammps_words(self.law) if words.legend)
+        yield from (f"# {one.legend}" for one in lammps_keywords(self.law) if one.legend)
         yield command("pair_style", "granular")
         scene, kinds = self.scene, self._kinds
         material = scene.material_on("wall")

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from grainfit.scenes.scene import Scene
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.solvers.dem.card_clumps import CardClump, card_clump
-from grainfit.solvers.dem.script_words import command, continued, heading
+from grainfit.solvers.dem.script_syntax import command, continued, heading
 
 #: File that inserts all clumps, and file that marks those above the variable ``height``.
 INSERTION, SURPLUS = "clumps.liggghts", "surplus.liggghts"

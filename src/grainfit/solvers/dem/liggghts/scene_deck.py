@@ -15,7 +15,7 @@ from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem.liggghts.multispheres import INSERTION, SHARE, SURPLUS, Multispheres
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
-from grainfit.solvers.dem.script_words import command, continued, heading
+from grainfit.solvers.dem.script_syntax import command, continued, heading
 
 #: Concepts that LIGGGHTS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from grainfit.contact_models.yade import yade_law, yade_physics, yade_words
+from grainfit.contact_models.yade import yade_keywords, yade_law, yade_physics
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.card_text import about, header
 from grainfit.materials.walls import on_wall
-from grainfit.solvers.dem.card_clumps import card_clumps, clump_words
+from grainfit.solvers.dem.card_clumps import card_clumps, clump_comments
 from grainfit.solvers.dem.card_parts import (
     comments,
     fill,
@@ -51,19 +51,19 @@ def render_yade(card: MaterialCard) -> str:
     material, law = require_material(card, "yade")
     sizes = require_sizes(card, "yade")
     contact = SphereTypes.mean_of(sizes).between(material, 1, 1, card.gravity)
-    words = yade_words(law)
+    keywords = yade_keywords(law)
     return fill(
         "yade",
         {
             "header": header(card),
             "origin": origin(card, "yade"),
             "card": card,
-            "clump_words": clump_words(sizes),
+            "clump_comments": clump_comments(sizes),
             "clumps": card_clumps(sizes, material["particle.density"]),
             "weights": None if sizes.clump is None else clump_shares(sizes.clump).weights,
             "about": about,
             "quoted": repr,
-            "notes": comments(found.notes(contact) for found in words),
+            "notes": comments(found.notes(contact) for found in keywords),
             "physics": yade_physics(law, contact),
             "law": ", ".join(f"{name}={value}" for name, value, _ in yade_law(law, contact)),
             "walls": [_wall(wall, material) for wall in walls_of_card(card)],

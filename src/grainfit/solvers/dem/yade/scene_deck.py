@@ -22,7 +22,7 @@ from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.solvers.dem.card_parts import fill
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.rigid_bodies import rigid_bodies
-from grainfit.solvers.dem.script_words import heading
+from grainfit.solvers.dem.script_syntax import heading
 from grainfit.solvers.dem.sphere_types import SphereTypes
 from grainfit.solvers.dem.yade.clump_shares import clump_shares
 

@@ -11,9 +11,9 @@ def command(name: str, arguments: str) -> str:
     return f"{name:<{_INDENT - 1}} {arguments}"
 
 
-def heading(words: str) -> str:
+def heading(title: str) -> str:
     """Return a comment line that begins a part of a deck."""
-    return f"\n# --- {words} ".ljust(_WIDTH, "-")
+    return f"\n# --- {title} ".ljust(_WIDTH, "-")
 
 
 def continued(first: str, parts: list[str]) -> str:
