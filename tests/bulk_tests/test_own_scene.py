@@ -24,6 +24,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem import messages as dem_messages
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.work_folder.remeasure import measure_path
@@ -367,7 +368,7 @@ def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
 
     (problem,) = describe_plan(load_calibration(path)).problems
 
-    assert "lammps cannot simulate this scene test" in problem
+    assert dem_messages.LACKS_CONCEPT.is_in(problem)
     assert "use a slot, or" in problem
 
 

@@ -29,6 +29,7 @@ from grainfit.scenes.packing import Column
 from grainfit.scenes.scene import STANDARD_GRAVITY, Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Plane
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem import messages as dem_messages
 from grainfit.solvers.dem.yade.program import Yade
 from grainfit.solvers.dem.yade.scene_deck import YadeSceneDeck
 from grainfit.testing.materials import GLASS_BEADS
@@ -84,14 +85,14 @@ def test_an_interval_of_rolling_damping_is_refused_before_a_run():
 
 
 def test_ranks_are_refused_with_the_reason():
-    with pytest.raises(InputError, match="ranks: YADE runs on one core here"):
+    with pytest.raises(InputError, match=dem_messages.YADE_ON_ONE_CORE.pattern):
         Yade(SMALL, MATERIAL, ranks=2)
 
 
 def test_a_program_that_is_not_there_or_no_yade_says_how_to_install_it(tmp_path):
     with pytest.raises(SolverNotFoundError, match="apt-get install yade"):
         Yade(SMALL, MATERIAL, executable=str(tmp_path / "yade")).check()
-    with pytest.raises(SolverNotFoundError, match="does not run as YADE does"):
+    with pytest.raises(SolverNotFoundError, match=dem_messages.IS_ANOTHER_PROGRAM.pattern):
         Yade(SMALL, MATERIAL, executable="true").version()
 
 

@@ -18,6 +18,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import SNAPSHOTS, STAGES
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem import messages as dem_messages
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
@@ -136,7 +137,7 @@ class TestProgram:
 
     @pytest.mark.parametrize("solver_type", [Lammps, Liggghts])
     def test_another_program_is_not_taken_for_it(self, solver_type):
-        with pytest.raises(SolverNotFoundError, match="does not run as"):
+        with pytest.raises(SolverNotFoundError, match=dem_messages.IS_ANOTHER_PROGRAM.pattern):
             solver_type(SMALL, GLASS_BEADS, executable="true").definition({}, 1)
 
     def test_lammps_without_granular_is_said(self, tmp_path):

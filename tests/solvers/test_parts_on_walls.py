@@ -14,6 +14,7 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.natural_units import natural_run
 from grainfit.errors import InputError
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem import messages as dem_messages
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.registry import DEM_PROGRAMS
 
@@ -227,7 +228,7 @@ def test_walls_of_a_scene_of_the_user_are_its_parts(tmp_path: Path) -> None:
 
 
 def test_a_wall_of_the_users_scene_that_is_made_of_nothing_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="do not say what 'floor' is made of"):
+    with pytest.raises(InputError, match=dem_messages.WALL_OF_NOTHING.pattern):
         own_scene(tmp_path, {"side": "steel"}).scene({}, 1)
-    with pytest.raises(InputError, match="is no part of the test"):
+    with pytest.raises(InputError, match=dem_messages.NO_PART.pattern):
         own_scene(tmp_path, {"sides": "steel"}, 0.6).estimate_cost({})

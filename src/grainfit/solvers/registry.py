@@ -22,7 +22,7 @@ _PROGRAMS: tuple[type[DeckSolver], ...] = (Lammps, Liggghts, Yade)
 
 def _missing(program: type[DeckSolver]) -> Iterator[str]:
     """Iterate over what a program lacks to be used."""
-    yield from gaps(program, ("name", "title", "usual_name", "install", "deck"))
+    yield from gaps(program, ("name", "title", "usual_name", "install", "version_pattern", "deck"))
     name = getattr(program, "name", "")
     for kind, models in needed_models().items():
         if not any(name in model.solvers for model in models):

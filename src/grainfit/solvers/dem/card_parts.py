@@ -18,13 +18,14 @@ from grainfit.contact_models.registry import (
     simulated_material,
     with_defaults,
 )
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.formatting import variable_name
 from grainfit.materials.card import CardParameter, MaterialCard
 from grainfit.materials.card_text import comment
 from grainfit.materials.parameters import BODY_PARAMETERS, MaterialParameter
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import PLAIN, plain_name, wall_of, walls_among
+from grainfit.solvers.dem import messages
 
 _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 #: Parameters of particles and walls that influence contacts.
@@ -105,7 +106,7 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
     needed = [n for n in parameters_of_walls(walls) if plain_name(n) in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)
     faults = [
-        Fault(name, f"is {values[name]:g}, which no card for {solver} can hold.", _limits(known))
+        messages.NOT_ON_CARD.fault(name, value=values[name], solver=solver, limits=_limits(known))
         for name in needed
         if (known := material_parameter(name)) is not None
         and not known.lowest <= values[name] <= known.highest
@@ -131,15 +132,8 @@ def require_sizes(card: MaterialCard, solver: str) -> ParticleSizes:
 
 def _require_nothing_missing(missing: Sequence[str], solver: str) -> None:
     if missing:
-        raise InputError(
-            Fault(
-                "",
-                f"a card for {solver} needs {', '.join(missing)}, which this calibration does not "
-                "have.",
-                "Give them in the calibration file and run it again, or use --to json or --to "
-                "csv and insert the values in your model.",
-            )
-        )
+        needed = ", ".join(missing)
+        raise InputError(messages.CARD_NEEDS.fault("", solver=solver, missing=needed))
 
 
 def walls_of_card(card: MaterialCard) -> tuple[str, ...]:

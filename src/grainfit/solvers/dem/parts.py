@@ -14,6 +14,7 @@ from grainfit.materials.walls import PLAIN, parameters_of, walls_among, with_pla
 from grainfit.options.kinds import suggest
 from grainfit.scenes.scene import WALL, Scene
 from grainfit.scenes.surfaces import on_surfaces
+from grainfit.solvers.dem import messages
 
 
 class PartsOnWalls:
@@ -99,8 +100,7 @@ class PartsOnWalls:
             return
         for name, wall in scene.all_walls().items():
             if wall.surface == WALL and name not in self.walls:
-                remedy = f'Write walls = {{ {name} = "..." }}, or give a plain [wall].'
-                yield Fault("walls", f"do not say what {name!r} is made of.", remedy)
+                yield messages.WALL_OF_NOTHING.fault("walls", name=name)
 
 
 def parts_on_walls(
@@ -134,7 +134,7 @@ def _part_faults(walls: Mapping[str, str], parts: Collection[str]) -> Iterator[F
     for part in walls:
         if part not in parts:
             remedy = suggest(part, parts, "Parts are") if parts else "Leave it out."
-            yield Fault(f"walls.{part}", "is no part of the test.", remedy)
+            yield messages.NO_PART.fault(f"walls.{part}", remedy=remedy)
 
 
 def _friction_faults(test: BulkTest, walls: Mapping[str, str]) -> Iterator[Fault]:
@@ -148,8 +148,4 @@ def _friction_faults(test: BulkTest, walls: Mapping[str, str]) -> Iterator[Fault
 
 def friction_fault(option: str, part: str, wall: str) -> Fault:
     """Return the fault of an option that gives a part on a wall another friction."""
-    return Fault(
-        option,
-        f"is given, but the {part} is of the wall {wall}, which has a friction of its own.",
-        "Leave it out, or give the part another wall.",
-    )
+    return messages.FRICTION_TWICE.fault(option, part=part, wall=wall)

@@ -47,10 +47,12 @@ from grainfit.evaluation import Measured
 from grainfit.files import log_tail, text_of
 from grainfit.materials.particle_shape import ASPECT_RATIO, aspect_ratio_faults
 from grainfit.materials.walls import plain_name, wall_of
+from grainfit.messages import Message
 from grainfit.scenes.film import filmed
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.parts import PartsOnWalls
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
@@ -95,6 +97,9 @@ class DeckSolver(Solver):
     title: ClassVar[str]
     usual_name: ClassVar[str]
     install: ClassVar[str]
+    #: Option that makes it tell its version, and the version in its output.
+    version_option: ClassVar[str] = "-h"
+    version_pattern: ClassVar[str]
     #: Log that the program itself writes into the run folder.
     _own_log: ClassVar[str] = LOG_NAME
     #: Beginning of a line with an error message of the program.
@@ -115,8 +120,8 @@ class DeckSolver(Solver):
         contact_models: Iterable[str] = (),
         walls: Mapping[str, str] | None = None,
     ) -> None:
-        if ranks < 1:
-            raise InputError(Fault("ranks", f"{ranks} must be at least 1."))
+        if (refusal := self._ranks_refusal(test, ranks)) is not None:
+            raise InputError(refusal.fault("ranks", ranks=ranks))
         self.test = test
         self._parts = PartsOnWalls(test, walls or {})
         self.material = _in_si(material)
@@ -134,6 +139,11 @@ class DeckSolver(Solver):
         #: Frames that a run is to be shown with, and its simulated time if that is known. No part
         #: of the model: frames change nothing of a run.
         self._film: tuple[int, float | None] | None = None
+
+    @classmethod
+    def _ranks_refusal(cls, test: BulkTest, ranks: int) -> Message | None:  # noqa: ARG003
+        """Return why the program does not run a test on that many ranks; None if it does."""
+        return messages.TOO_FEW_RANKS if ranks < 1 else None
 
     @property
     @override
@@ -216,7 +226,7 @@ class DeckSolver(Solver):
         needed = [name for name in parameters_of_walls(used) if plain_name(name) not in idle]
         missing = [name for name in needed if name not in values]
         if missing:
-            raise InputError([Fault(name, "has no value.") for name in missing])
+            raise InputError([messages.NO_VALUE.fault(name) for name in missing])
         return {name: float(values[name]) for name in needed}
 
     def _require_possible(self, material: Mapping[str, float]) -> None:
@@ -314,9 +324,12 @@ class DeckSolver(Solver):
         concepts : iterable of str
             Those of the test's scene, see `Scene.concepts`.
         """
-        message = f"{cls.name} cannot simulate this {type_of_test} test."
-        reasons = [cls.missing[name] for name in sorted(concepts) if name in cls.missing]
-        return [Fault("solver", message, f"{reason}.") for reason in reasons]
+        lacks = messages.LACKS_CONCEPT
+        return [
+            lacks.fault("solver", solver=cls.name, test=type_of_test, reason=cls.missing[name])
+            for name in sorted(concepts)
+            if name in cls.missing
+        ]
 
     def _require_concepts(self, concepts: Iterable[str]) -> None:
         if faults := self.concept_faults(self.test.type, concepts):
@@ -360,7 +373,9 @@ class DeckSolver(Solver):
         found = self._find(self.executable or self.usual_name)
         if found is None:
             name = self.executable or self.usual_name
-            raise SolverNotFoundError(f"{self.title} ({name}) is not found. {self.install}")
+            raise SolverNotFoundError(
+                messages.NOT_FOUND(title=self.title, program=name, install=self.install)
+            )
         return str(Path(found).absolute())
 
     def _find(self, program: str) -> str | None:
@@ -427,15 +442,26 @@ class DeckSolver(Solver):
         return _LEAST_TIMEOUT + _PATIENCE * self.estimate_cost(parameters).wall_seconds
 
     @override
-    @abstractmethod
     def version(self) -> str:
-        """Return the version that the program reports.
+        """Return the version that the program reports, such as ``22 Jul 2025 - Update 4``.
 
         Raises
         ------
         SolverNotFoundError
             It is not found, or is not the program that the decks need.
         """
+        program = self._program()
+        output = program_help(program, self.install, self.version_option)
+        found = re.search(self.version_pattern, output)
+        if found is None:
+            raise SolverNotFoundError(
+                messages.IS_ANOTHER_PROGRAM(program=program, title=self.title, install=self.install)
+            )
+        self._require_packages(program, output)
+        return found.group(1).strip()
+
+    def _require_packages(self, program: str, output: str) -> None:
+        """Raise `SolverNotFoundError` if the program was built without what the decks need."""
 
     @abstractmethod
     def _command(self, deck: Path) -> list[str]:
@@ -464,7 +490,9 @@ def program_help(program: str, install: str, option: str = "-h") -> str:
                 check=False,
             )
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise SolverNotFoundError(f"{program} does not run: {error}. {install}") from error
+        raise SolverNotFoundError(
+            messages.DOES_NOT_RUN(program=program, error=error, install=install)
+        ) from error
     return done.stdout
 
 
@@ -491,15 +519,13 @@ def _impossible(material: Mapping[str, float]) -> Iterator[Fault]:
     for name, value in material.items():
         known = material_parameter(name)
         if known is None:
-            yield Fault(
-                name,
-                "is not a material parameter.",
-                f"Use one of {', '.join(MATERIAL_PARAMETERS)}.",
-            )
+            yield messages.NO_PARAMETER.fault(name, known=", ".join(MATERIAL_PARAMETERS))
             continue
         if not (math.isfinite(value) and known.lowest <= value <= known.highest):
-            yield Fault(
+            yield messages.OUTSIDE_LIMITS.fault(
                 name,
-                f"{value:g} is outside {known.lowest:g} to {known.highest:g} {known.unit}".rstrip()
-                + ".",
+                value=value,
+                lowest=known.lowest,
+                highest=known.highest,
+                unit=f" {known.unit}" if known.unit else "",
             )

@@ -13,12 +13,11 @@ from typing_extensions import override
 
 from grainfit.errors import SolverNotFoundError
 from grainfit.extras import how_to_install
+from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.lammps.scene_deck import MISSING, LammpsSceneDeck
-from grainfit.solvers.dem.program import DeckSolver, program_help
+from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.speed import Speed
-
-_INSTALL = how_to_install("lammps")
 
 
 class Lammps(DeckSolver):
@@ -30,26 +29,19 @@ class Lammps(DeckSolver):
     name = "lammps"
     title: ClassVar[str] = "LAMMPS"
     usual_name: ClassVar[str] = "lmp"
-    install: ClassVar[str] = _INSTALL
+    install: ClassVar[str] = how_to_install("lammps")
+    version_pattern: ClassVar[str] = r"Massively Parallel Simulator - (.+)"
     _own_log: ClassVar[str] = "log.lammps"
     deck: ClassVar[type[SceneDeck]] = LammpsSceneDeck
     speed: ClassVar[Speed] = Speed(2.2e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
 
     @override
-    def version(self) -> str:
-        """Return the version that the program reports, such as ``22 Jul 2025 - Update 4``."""
-        program = self._program()
-        text = program_help(program, _INSTALL)
-        found = re.search(r"Massively Parallel Simulator - (.+)", text)
-        if found is None:
-            raise SolverNotFoundError(f"{program} does not run as LAMMPS does. {_INSTALL}")
-        if not re.search(r"\bGRANULAR\b", text):
+    def _require_packages(self, program: str, output: str) -> None:
+        if not re.search(r"\bGRANULAR\b", output):
             raise SolverNotFoundError(
-                f"{program} was built without the GRANULAR package, which the decks need. "
-                f"{_INSTALL}"
+                messages.WITHOUT_GRANULAR(program=program, install=self.install)
             )
-        return found.group(1).strip()
 
     @override
     def _find(self, program: str) -> str | None:
@@ -65,8 +57,7 @@ class Lammps(DeckSolver):
         found = shutil.which("mpiexec")
         if found is None:
             raise SolverNotFoundError(
-                f"{self.ranks} MPI ranks need an mpiexec next to {program}, and there is none. "
-                f"{_INSTALL}"
+                messages.NO_LAUNCHER_BESIDE(ranks=self.ranks, program=program, install=self.install)
             )
         return found
 

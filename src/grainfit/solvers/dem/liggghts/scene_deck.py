@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
+from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.liggghts.multispheres import INSERTION, SHARE, SURPLUS, Multispheres
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_syntax import command, continued, heading
@@ -355,13 +356,7 @@ class LiggghtsSceneDeck(ScriptDeck):
             The wall is a mesh: LIGGGHTS knows the sum of its forces only.
         """
         if not self._is_through(wall):
-            raise InputError(
-                Fault(
-                    wall,
-                    "is a mesh in LIGGGHTS, whose radial force it does not know.",
-                    "Use a cylinder from the bottom to the top of the box.",
-                )
-            )
+            raise InputError(messages.RADIAL_FORCE_OF_MESH.fault(wall))
         sum_ = f"{wall}_radial"
         if self.is_new_sum(wall, sum_):
             force = f"f_force_{wall}"

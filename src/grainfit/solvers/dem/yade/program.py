@@ -10,14 +10,14 @@ from typing import ClassVar
 from typing_extensions import override
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.errors import Fault, InputError
 from grainfit.materials.walls import plain_name
+from grainfit.messages import Message
+from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
-from grainfit.solvers.dem.program import DeckSolver, program_help
+from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.dem.yade.scene_deck import MISSING, YadeSceneDeck
 from grainfit.solvers.speed import Speed
-
-_INSTALL = "Install it with: apt-get install yade"
 
 
 class Yade(DeckSolver):
@@ -32,7 +32,9 @@ class Yade(DeckSolver):
     name = "yade"
     title: ClassVar[str] = "YADE"
     usual_name: ClassVar[str] = "yade"
-    install: ClassVar[str] = _INSTALL
+    install: ClassVar[str] = "Install it with: apt-get install yade"
+    version_option: ClassVar[str] = "--version"
+    version_pattern: ClassVar[str] = r"Yade version: (\S+)"
     deck: ClassVar[type[SceneDeck]] = YadeSceneDeck
     speed: ClassVar[Speed] = Speed(0.4e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
@@ -43,20 +45,10 @@ class Yade(DeckSolver):
     #: The last line of a traceback.
     _error: ClassVar[re.Pattern[str]] = re.compile(r"\w*(Error|Exception)\b")
 
-    def __init__(
-        self,
-        test: BulkTest,
-        material: Mapping[str, float | str],
-        ranks: int = 1,
-        executable: str | None = None,
-        contact_models: Iterable[str] = (),
-        walls: Mapping[str, str] | None = None,
-    ) -> None:
-        if ranks > 1:
-            message = f"YADE runs on one core here, not on {ranks}: with threads, two runs of one"
-            message += " seed differ."
-            raise InputError(Fault("ranks", message, "Leave it out; several runs go at a time."))
-        super().__init__(test, material, ranks, executable, contact_models, walls)
+    @classmethod
+    @override
+    def _ranks_refusal(cls, test: BulkTest, ranks: int) -> Message | None:
+        return messages.YADE_ON_ONE_CORE if ranks > 1 else super()._ranks_refusal(test, ranks)
 
     @override
     def _require_possible(self, material: Mapping[str, float]) -> None:
@@ -72,15 +64,6 @@ class Yade(DeckSolver):
         # Materials with damping are refused before the test is asked about them.
         return damped or super().interval_faults(intervals)
 
-    @override
-    def version(self) -> str:
-        """Return the version that the program reports, such as ``2023.02a``."""
-        program = self._program()
-        found = re.search(r"Yade version: (\S+)", program_help(program, _INSTALL, "--version"))
-        if found is None:
-            raise SolverNotFoundError(f"{program} does not run as YADE does. {_INSTALL}")
-        return found.group(1)
-
     def _command(self, deck: Path) -> list[str]:
         # No window, one thread, and an end after the script instead of a prompt.
         return [self._program(), "-n", "-x", "-j1", deck.name]
@@ -89,8 +72,4 @@ class Yade(DeckSolver):
 def _damping_faults(values: Iterable[tuple[str, float]]) -> Iterator[Fault]:
     for name, value in values:
         if plain_name(name) in Yade.absent_parameters and value > 0:
-            yield Fault(
-                name,
-                f"{value:g} is above 0, and YADE has no rolling damping.",
-                'Set it to 0 for solver = "yade", or use LAMMPS or LIGGGHTS.',
-            )
+            yield messages.NO_ROLLING_DAMPING.fault(name, value=value)

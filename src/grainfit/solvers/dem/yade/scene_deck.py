@@ -11,7 +11,7 @@ import numpy as np
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
 from grainfit.contact_models.yade import YadeArgument, yade_law, yade_on_wall, yade_physics
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
@@ -19,6 +19,7 @@ from grainfit.scenes.run_output import STAGES_HEADER
 from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Velocity, Wall, load_on
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Vector
 from grainfit.scenes.spheres import ClumpSpheres
+from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.card_parts import fill
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.rigid_bodies import rigid_bodies
@@ -216,9 +217,8 @@ class YadeSceneDeck(SceneDeck):
         shortest = min(length for axis, length in lengths if self._repeats(axis))
         room = (_SHARE_OF_PERIOD * shortest - max(diameters)) / 2
         if room < _SHARE_OF_PERIOD * distance / _VERLET / 10:
-            message = f"is {shortest:g} m along a periodic axis, which is too short for YADE."
-            remedy = f"Use at least {2.5 * max(diameters):g} m."
-            raise InputError(Fault("box", message, remedy))
+            least = 2.5 * max(diameters)
+            raise InputError(messages.PERIOD_TOO_SHORT.fault("box", length=shortest, least=least))
         return min(distance, room)
 
     # --- walls ---------------------------------------------------------------------------------
@@ -372,10 +372,7 @@ class YadeSceneDeck(SceneDeck):
     def _require_tube(self, wall: str) -> None:
         shape = self.scene.all_walls()[wall].shape
         if not (isinstance(shape, Cylinder) and shape.axis == "z"):
-            message = (
-                "is no upright tube: YADE knows of no other wall the force away from the z axis."
-            )
-            raise InputError(Fault(wall, message, "Use a Cylinder about the z axis."))
+            raise InputError(messages.NO_UPRIGHT_TUBE.fault(wall))
 
     def _until(self, stage: Stage) -> str:
         """Return the line that runs a stage to its end."""

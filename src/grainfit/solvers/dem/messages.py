@@ -1,0 +1,76 @@
+"""Texts of the DEM programs for the user."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+# --- programs ------------------------------------------------------------------------------------
+
+TOO_FEW_RANKS = Message("{ranks} must be at least 1.")
+CLUMPS_ON_ONE_CORE = Message(
+    "LIGGGHTS-PUBLIC moves clumps on one core, not on {ranks}.", "Leave it out, or use LAMMPS."
+)
+YADE_ON_ONE_CORE = Message(
+    "YADE runs on one core here, not on {ranks}: with threads, two runs of one seed differ.",
+    "Leave it out; several runs go at a time.",
+)
+NOT_FOUND = Message("{title} ({program}) is not found.", "{install}")
+DOES_NOT_RUN = Message("{program} does not run: {error}.", "{install}")
+IS_ANOTHER_PROGRAM = Message("{program} does not run as {title} does.", "{install}")
+WITHOUT_GRANULAR = Message(
+    "{program} was built without the GRANULAR package, which the decks need.", "{install}"
+)
+NO_LAUNCHER_BESIDE = Message(
+    "{ranks} MPI ranks need an mpiexec next to {program}, and there is none.", "{install}"
+)
+NO_LAUNCHER = Message(
+    "{ranks} MPI ranks need mpiexec, which is not found.",
+    "Install it with: apt-get install openmpi-bin",
+)
+LACKS_CONCEPT = Message("{solver} cannot simulate this {test} test.", "{reason}.")
+
+# --- materials -----------------------------------------------------------------------------------
+
+NO_VALUE = Message("has no value.")
+NO_PARAMETER = Message("is not a material parameter.", "Use one of {known}.")
+OUTSIDE_LIMITS = Message("{value:g} is outside {lowest:g} to {highest:g}{unit}.")
+NO_ROLLING_DAMPING = Message(
+    "{value:g} is above 0, and YADE has no rolling damping.",
+    'Set it to 0 for solver = "yade", or use LAMMPS or LIGGGHTS.',
+)
+RESTITUTION_REFUSED = Message(
+    "{value:g} is refused by LIGGGHTS.", "Use a restitution above {limit:g}, or LAMMPS."
+)
+
+# --- walls and scenes ----------------------------------------------------------------------------
+
+WALL_OF_NOTHING = Message(
+    "do not say what {name!r} is made of.",
+    'Write walls = {{ {name} = "..." }}, or give a plain [wall].',
+)
+NO_PART = Message("is no part of the test.", "{remedy}")
+FRICTION_TWICE = Message(
+    "is given, but the {part} is of the wall {wall}, which has a friction of its own.",
+    "Leave it out, or give the part another wall.",
+)
+PERIOD_TOO_SHORT = Message(
+    "is {length:g} m along a periodic axis, which is too short for YADE.",
+    "Use at least {least:g} m.",
+)
+NO_UPRIGHT_TUBE = Message(
+    "is no upright tube: YADE knows of no other wall the force away from the z axis.",
+    "Use a Cylinder about the z axis.",
+)
+RADIAL_FORCE_OF_MESH = Message(
+    "is a mesh in LIGGGHTS, whose radial force it does not know.",
+    "Use a cylinder from the bottom to the top of the box.",
+)
+
+# --- cards ---------------------------------------------------------------------------------------
+
+NOT_ON_CARD = Message("is {value:g}, which no card for {solver} can hold.", "{limits}")
+CARD_NEEDS = Message(
+    "a card for {solver} needs {missing}, which this calibration does not have.",
+    "Give them in the calibration file and run it again, or use --to json or --to csv and insert "
+    "the values in your model.",
+)
