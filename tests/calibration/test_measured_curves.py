@@ -16,6 +16,7 @@ import grainfit as gf
 from benchmarks import chromium
 from benchmarks.axe import violations_in
 from grainfit.cli.app import app
+from grainfit.report import verdict_messages as messages
 from grainfit.report.page import write_report
 from grainfit.result import Result
 
@@ -245,7 +246,7 @@ def test_curve_beyond_the_simulated_ones_says_what_they_hold(tmp_path: Path) -> 
         gf.calibrate(problem(curve), gf.solvers.PythonCallable(press), workdir=tmp_path)
     page = write_report(tmp_path).read_text()
     names = [trace.name for trace in gf.plots.curves(gf.open(tmp_path)).data]
-    assert "Stopped by an error" in page
+    assert messages.STOPPED() in page
     assert "only 0 to 0.05, and the measured one" in page
     assert names == ["other runs", "measured, with 95 % intervals"]
 

@@ -28,6 +28,7 @@ from grainfit.cli.app import app
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError, StoreError
 from grainfit.testing.decks import write_deck
+from grainfit.verdict.messages import STATUS_WORDS
 
 DRUM = grainfit.Problem(
     [grainfit.Parameter("Kohäsion", 0.0, 7e4, unit="J/m^3")],
@@ -325,7 +326,7 @@ def test_an_undecided_calibration_makes_a_card_that_is_not_calibrated(
     card = material_card(undecided_drum)
     assert (card.status, card.calibrated) == ("undecided", False)
     assert card.verdict == (
-        "NOT CALIBRATED: undecided whether every target is met (not met: angle, which is in doubt)"
+        f"NOT CALIBRATED: {STATUS_WORDS['undecided']} (not met: angle, which is in doubt)"
     )
     assert [parameter.origin for parameter in card.parameters] == ["not calibrated"]
     data = json.loads(render(card, "json"))

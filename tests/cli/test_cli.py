@@ -13,6 +13,7 @@ import pytest
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
+from grainfit.report import verdict_messages as messages
 from grainfit.work_folder.status import read_status
 
 MODEL = """
@@ -129,7 +130,7 @@ def test_runs_that_all_fail_exit_with_one_and_the_reason(tmp_path: Path) -> None
     assert "the drum broke" in done.stderr
     assert done.stdout == "Report: my sand.grainfit/report.html\n"
     page = (tmp_path / "my sand.grainfit" / "report.html").read_text()
-    assert "Stopped by an error." in page
+    assert messages.STOPPED() in page
     assert "the drum broke" in page
     assert "the drum broke" in grainfit("status", "my sand.grainfit", folder=tmp_path).stdout
 

@@ -17,7 +17,7 @@ import grainfit
 from grainfit.analysis.analysis import Analysis
 from grainfit.campaign.folder_lock import hold
 from grainfit.errors import StoreError
-from grainfit.report import messages
+from grainfit.report import messages, verdict_messages
 from grainfit.report.page import render_page
 from grainfit.report.rendering import script_json
 from grainfit.report.section import ReportContext
@@ -149,7 +149,7 @@ def test_the_report_can_be_written_while_it_is_running(work: Path, tmp_path: Pat
     said: list[str] = []
     with hold(work):
         path = grainfit.write_report(work, tmp_path / "half way.html", on_progress=said.append)
-    assert "Running: no answer yet." in path.read_text(encoding="utf-8")
+    assert verdict_messages.RUNNING() in path.read_text(encoding="utf-8")
     assert len(said) > 2
     changed = {path for path, time in before.items() if path.stat().st_mtime_ns != time}
     assert {path.name for path in changed} <= {"lock", "runs.sqlite-shm"}

@@ -32,18 +32,21 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.drawing import simplified
 from grainfit.metamodels.outliers import Outliers
 from grainfit.report import page as report_page
+from grainfit.report import verdict_messages as messages
 from grainfit.report.section import ReportContext, Section
-from grainfit.report.sections.answer.section import answer, verdict
+from grainfit.report.sections.answer.section import answer
 from grainfit.report.sections.convergence.section import convergence
 from grainfit.report.sections.particles.section import particles
 from grainfit.report.sections.particles.shown_runs import read_view, shown_runs
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
+from grainfit.report.verdict import shown_verdict
 from grainfit.result import MetamodelQuality, ParameterInterval, Result, RunCounts
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.verdict.out_of_reach import OutOfReach
+from grainfit.verdict.reasons import FreshSeedsMissing, OutliersDecide, Reason
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
@@ -217,8 +220,8 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
     section = answer(context(analysis=analysis))
     shown = text(section)
     for words in (
-        "Calibrated: every measurement is met within its tolerance.",
-        "Probability that every target is met, by all runs: 96 %.",
+        messages.CALIBRATED(),
+        RESULT.sureness,
         "Particle density of the solid determined to ±1.4 %; particle-particle rolling friction "
         "coefficient only narrowed, 0.48 to 0.571.",
         "particle-particle rolling friction coefficient 0.520 ! narrowed 0.480 … 0.571",
@@ -242,13 +245,13 @@ def test_without_an_interval_the_answer_says_why() -> None:
 @pytest.mark.parametrize(
     ("state", "result", "grade", "words"),
     [
-        ("calibrated", RESULT, "good", "Calibrated"),
-        ("calibrated", None, "warn", "result.json is missing"),
-        ("running", None, "warn", "Simulated so far: 7 runs; under way: 2 runs."),
-        ("interrupted", None, "warn", "No answer yet"),
-        ("interrupted", RESULT, "warn", "The numbers are the best so far"),
+        ("calibrated", RESULT, "good", messages.CALIBRATED()),
+        ("calibrated", None, "warn", messages.RESULT_MISSING()),
+        ("running", None, "warn", messages.SIMULATED_AND_RUNNING(runs="7 runs", running="2 runs")),
+        ("interrupted", None, "warn", messages.INTERRUPTED_EARLY()),
+        ("interrupted", RESULT, "warn", messages.INTERRUPTED()),
         ("failed", None, "bad", "The first 3 runs all failed"),
-        ("undecided", RESULT, "warn", "Undecided: the runs do not tell"),
+        ("undecided", RESULT, "warn", messages.UNDECIDED(what="every measurement", verb="is")),
         ("out_of_tolerance", RESULT, "bad", "Not calibrated: "),
     ],
 )
@@ -256,7 +259,7 @@ def test_the_verdict_is_one_line_in_words(
     state: str, result: Result | None, grade: str, words: str
 ) -> None:
     stopped_by = "the first 3 runs all failed" if state == "failed" else ""
-    found = verdict(context(state, result, failure=stopped_by))
+    found = shown_verdict(context(state, result, failure=stopped_by))
     assert found.grade == grade
     assert words in " ".join((found.line, *found.details))
 
@@ -289,9 +292,8 @@ def test_an_undecided_answer_says_what_is_in_doubt_how_likely_it_is_met_and_why(
     undecided = not_met("undecided", predicted=21.6, probability=0.71, verdict="in doubt")
     shown = text(answer(undecided))
     top = shown.partition("Parameters")[0]
-    assert top.startswith(
-        "! Undecided: the runs do not tell whether angle of repose (71 %) is met."
-    )
+    line = messages.UNDECIDED(what="angle of repose (71 %)", verb="is")
+    assert top.startswith(f"! {line}")
     assert "bulk density" not in top
     # The reasons say what to do.
     assert "<i>look</i>" in top
@@ -305,10 +307,25 @@ def test_an_undecided_answer_says_what_is_in_doubt_how_likely_it_is_met_and_why(
             for name, found in RESULT.responses.items()
         },
     )
-    assert verdict(context("undecided", both)).line == (
-        "Undecided: the runs do not tell whether bulk density (90\u00a0%) and angle of repose "
-        "(90\u00a0%) are met."
-    )
+    what = "bulk density (90\u00a0%) and angle of repose (90\u00a0%)"
+    line = shown_verdict(context("undecided", both)).line
+    assert line == messages.UNDECIDED(what=what, verb="are")
+
+
+@pytest.mark.parametrize(
+    ("reason", "gives_probability"),
+    [(OutliersDecide(0.96, 0.4), True), (FreshSeedsMissing(1, 3, 0, 0), False)],
+)
+def test_reasons_stand_beside_the_verdict_and_say_the_probability_once(
+    reason: Reason, gives_probability: bool
+) -> None:
+    found = context("undecided", replace(RESULT, reasons=(reason,)))
+    details = shown_verdict(found).details
+    assert details[0] == str(reason)
+    assert (RESULT.sureness in details) != gives_probability
+    shown = unescape(answer(found).html)
+    assert shown.count(str(reason)) == 1
+    assert shown.count("<i>look</i>") == 1, "other notices stand below"
 
 
 def test_the_expected_response_is_that_of_all_runs_with_fresh_seeds_and_without() -> None:

@@ -6,17 +6,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.verdict.messages import STATUS_WORDS
 
 Origin = Literal["calibrated", "not calibrated", "measured", "given"]
 Determination = Literal["determined", "narrowed", "not determined"]
-_STATUS_WORDS = {
-    "calibrated": "calibrated: every target is met within its tolerance",
-    "undecided": "NOT CALIBRATED: undecided whether every target is met",
-    "out_of_tolerance": "NOT CALIBRATED: no parameter set was found that meets every target",
-    "unreachable": "NOT CALIBRATED: out of reach within the given intervals",
-    "interrupted": "NOT CALIBRATED: interrupted before it was decided",
-}
-_NOT_ENDED = "NOT CALIBRATED: it was started again and has not come to its end"
+_NOT_ENDED = "it was started again and has not come to its end"
 
 
 @dataclass(frozen=True)
@@ -155,7 +149,8 @@ class MaterialCard:
     @property
     def verdict(self) -> str:
         """End of the calibration in words, with the targets that are not met."""
-        words = _STATUS_WORDS.get(self.status, _NOT_ENDED)
+        words = STATUS_WORDS.get(self.status, _NOT_ENDED)
+        words = words if self.calibrated else f"NOT CALIBRATED: {words}"
         missed = [
             f"{response.name}, which is in doubt"
             if response.verdict == "in doubt"

@@ -27,7 +27,7 @@ from grainfit.tables import Summary, TextTable
 from grainfit.verdict import messages
 from grainfit.verdict.out_of_reach import OutOfReach
 from grainfit.verdict.reasons import KINDS, Reason
-from grainfit.verdict.rule import STATUS_WORDS, Status
+from grainfit.verdict.rule import Status
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class Result(Summary):
     @property
     def headline(self) -> str:
         """Name and status in words."""
-        words = STATUS_WORDS[self.status]
+        words = messages.STATUS_WORDS[self.status]
         return f"{self.name}: {words}" if self.name else words
 
     @property

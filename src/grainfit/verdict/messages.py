@@ -2,6 +2,14 @@
 
 from grainfit.messages import Message
 
+#: The status in words.
+STATUS_WORDS = {
+    "calibrated": "calibrated: every target is met within its tolerance",
+    "undecided": "undecided: the runs do not tell whether every target is met",
+    "out_of_tolerance": "out of tolerance: no parameter set was found that meets every target",
+    "unreachable": "out of reach within the given intervals",
+    "interrupted": "interrupted: start it again to continue",
+}
 ALL_MET = Message("Probability that every target is met, by all runs: {probability}.")
 
 # Reasons.

@@ -26,14 +26,6 @@ from grainfit.verdict.reasons import (
 
 Status = Literal["calibrated", "undecided", "out_of_tolerance", "unreachable", "interrupted"]
 Verdict = Literal["met", "in doubt", "missed"]
-#: The status in words.
-STATUS_WORDS: Mapping[Status, str] = {
-    "calibrated": "calibrated: every target is met within its tolerance",
-    "undecided": "undecided: the runs do not tell whether every target is met",
-    "out_of_tolerance": "out of tolerance: no parameter set was found that meets every target",
-    "unreachable": "out of reach within the given intervals",
-    "interrupted": "interrupted: start it again to continue",
-}
 
 
 @dataclass(frozen=True)

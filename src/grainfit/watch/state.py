@@ -15,9 +15,10 @@ from grainfit.campaign.store.store import STORE_NAME
 from grainfit.errors import StoreError
 from grainfit.files import is_file
 from grainfit.formatting import plain, probability
+from grainfit.report import verdict_messages as messages
 from grainfit.report.page import REPORT_NAME
 from grainfit.report.section import ReportContext
-from grainfit.report.sections.answer.section import verdict
+from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result
 from grainfit.watch.rows import (
     MOST_ROWS,
@@ -141,19 +142,17 @@ def state_of(reading: Reading, so_far: Result | None) -> dict[str, Any]:
 
 
 def _without_calibration(reading: Reading) -> dict[str, Any]:
-    line = "Starting: no run has been asked for yet."
-    if not reading.is_running:
-        line = "Nothing has been calibrated here yet."
-    details = [plain(reading.fault)] if reading.fault else []
+    line = messages.STARTING if reading.is_running else messages.NOTHING_THERE
     if reading.fault:
-        line = "The work folder cannot be read."
+        line = messages.UNREADABLE
+    details = [plain(reading.fault)] if reading.fault else []
     grade = "bad" if reading.fault else "warn"
     return {
         "name": plain(reading.folder.absolute().name),
         "folder": plain(str(reading.folder)),
         "state": "unreadable" if reading.fault else "not started",
         "started": None,
-        "verdict": {"grade": grade, "mark": "!", "line": line, "details": details},
+        "verdict": {"grade": grade, "mark": "!", "line": line(), "details": details},
         "progress": None,
         **{key: [] for key in _LISTS},
         "failed": 0,
@@ -171,10 +170,9 @@ def _verdict(reading: Reading, so_far: Result | None) -> dict[str, Any]:
     if reading.is_running:
         return _verdict_so_far(so_far)
     if reading.is_held and reading.saved.result is None and reading.saved.state != "failed":
-        details = ["Its result is computed and written: this takes some seconds."]
-        return {"grade": "run", "mark": "…", "line": "The last run has ended.", "details": details}
+        return _in_progress(messages.LAST_RUN_ENDED(), [messages.WRITING_RESULT()])
     # Intervals are shown beside the parameters; the analysis would take seconds.
-    found = verdict(ReportContext(reading.saved, Analysis()))
+    found = shown_verdict(ReportContext(reading.saved, Analysis()))
     return {
         "grade": found.grade,
         "mark": found.mark,
@@ -185,24 +183,19 @@ def _verdict(reading: Reading, so_far: Result | None) -> dict[str, Any]:
 
 def _verdict_so_far(so_far: Result | None) -> dict[str, Any]:
     if so_far is None or so_far.probability_all_met is None:
-        details = ["A first verdict follows when there are enough runs for metamodels."]
-        return {"grade": "run", "mark": "…", "line": "Running.", "details": details}
+        return _in_progress(messages.FIRST_RUNS(), [messages.TOO_FEW_RUNS()])
     missed = [name for name, found in so_far.responses.items() if found.verdict == "missed"]
     missed += [name for name, found in so_far.curves.items() if found.verdict == "missed"]
     likely = probability(so_far.probability_all_met)
-    details = [
-        "The probability, by the runs so far, that every expected response is within its "
-        "tolerance. There is no verdict before fresh seeds at the answer agree."
-    ]
+    details = [messages.ABOUT_SO_FAR()]
     if missed:
-        details.append(f"Missed so far: {', '.join(map(plain, missed))}.")
+        details.append(messages.MISSED_SO_FAR(targets=", ".join(map(plain, missed))))
     details += [plain(str(one)) for one in so_far.out_of_reach]
-    return {
-        "grade": "run",
-        "mark": "…",
-        "line": f"Running. So far, every target is met with a probability of {likely}.",
-        "details": details,
-    }
+    return _in_progress(messages.SO_FAR(probability=likely), details)
+
+
+def _in_progress(line: str, details: list[str]) -> dict[str, Any]:
+    return {"grade": "run", "mark": "…", "line": line, "details": details}
 
 
 def _progress(reading: Reading, failed: int) -> dict[str, Any] | None:
@@ -233,7 +226,7 @@ def _notices(reading: Reading) -> Sequence[str]:
         return reading.live.notices
     if reading.saved is None or reading.saved.result is None:
         return ()
-    shown = verdict(ReportContext(reading.saved, Analysis())).details
+    shown = shown_verdict(ReportContext(reading.saved, Analysis())).details
     return [notice for notice in reading.saved.result.remarks if plain(notice) not in shown]
 
 
