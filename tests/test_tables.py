@@ -70,7 +70,7 @@ def test_a_result_prints_as_a_short_table(saved: gf.OpenedCalibration) -> None:
     assert len(lines) < 15
     assert max(map(len, lines)) <= 80
     assert "<i>" not in result._repr_html_()
-    noticed = replace(result, name="", notices=("look",), parameters={}, responses={})
+    noticed = replace(result, name="", other_notices=("look",), parameters={}, responses={})
     assert str(noticed).splitlines()[:2] == [lines[0].partition(": ")[2], "look"]
 
 

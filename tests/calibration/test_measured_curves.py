@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from grainfit.cli.app import app
 from grainfit.report import verdict_messages as messages
 from grainfit.report.page import write_report
 from grainfit.result import Result
+from grainfit.verdict.messages import NO_SUCH_SHAPE
 
 STRAINS = np.linspace(0.002, 0.04, 15)
 TRUTH = {"modulus": 2.4e5, "stiffening": 0.6}
@@ -54,12 +56,14 @@ def problem(curve: gf.CurveTarget) -> gf.Problem:
     )
 
 
+def calibrated(curve: gf.CurveTarget, **options: Any) -> Result:
+    return gf.calibrate(problem(curve), gf.solvers.PythonCallable(press), **options)
+
+
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Path]:
     folder = tmp_path_factory.mktemp("curves") / "work"
-    return gf.calibrate(
-        problem(measured()), gf.solvers.PythonCallable(press), workdir=folder
-    ), folder
+    return calibrated(measured(), workdir=folder), folder
 
 
 def test_curve_calibrates_two_parameters(finished: tuple[Result, Path]) -> None:
@@ -77,7 +81,7 @@ def test_parameters_from_a_curve_are_known_as_closely_as_wanted(
     usual, _ = finished
     widths = [(i.high - i.low) / 2 / usual.parameters[n] for n, i in usual.intervals.items()]
     strategy = gf.Sequential(wanted_half_width=0.8 * max(widths))
-    result = gf.calibrate(problem(measured()), gf.solvers.PythonCallable(press), strategy=strategy)
+    result = calibrated(measured(), strategy=strategy)
 
     assert result.status == "calibrated"
     assert result.runs.total > usual.runs.total
@@ -159,7 +163,7 @@ def test_report_with_curves_breaks_no_rule_of_accessibility(
 
 def test_curve_calibration_repeats_no_run(finished: tuple[Result, Path]) -> None:
     result, folder = finished
-    again = gf.calibrate(problem(measured()), gf.solvers.PythonCallable(press), workdir=folder)
+    again = calibrated(measured(), workdir=folder)
 
     assert again.runs.reused == again.runs.total == result.runs.total
     assert again.parameters == result.parameters
@@ -190,17 +194,17 @@ def test_more_points_do_not_promise_more_than_common_errors_allow() -> None:
 
 def test_curve_of_a_shape_that_no_run_has_is_out_of_tolerance() -> None:
     wave = stress(TRUTH, STRAINS) * (1 + 0.15 * np.sin(np.arange(len(STRAINS))))
-    result = gf.calibrate(problem(measured(wave)), gf.solvers.PythonCallable(press))
+    result = calibrated(measured(wave))
 
     assert result.status in ("out_of_tolerance", "unreachable")
     assert result.curves["stress"].verdict == "missed"
     if result.status == "out_of_tolerance":
-        assert any("no simulated curve has the shape" in words for words in result.notices)
+        assert "other shape" in {reason.kind for reason in result.reasons}
 
 
 def test_curve_out_of_reach_says_where_it_deviates_and_which_bound_is_in_the_way() -> None:
     stiffer = stress({"modulus": 5e5, "stiffening": 0.6}, STRAINS)
-    result = gf.calibrate(problem(measured(stiffer)), gf.solvers.PythonCallable(press))
+    result = calibrated(measured(stiffer))
 
     assert result.status == "unreachable"
     [miss] = result.out_of_reach
@@ -221,10 +225,7 @@ def test_curve_out_of_reach_says_where_it_deviates_and_which_bound_is_in_the_way
 
 def test_curve_out_of_reach_moves_the_bound_in_the_way() -> None:
     stiffer = stress({"modulus": 5e5, "stiffening": 0.6}, STRAINS)
-    strategy = gf.Sequential(extend_intervals=True)
-    result = gf.calibrate(
-        problem(measured(stiffer)), gf.solvers.PythonCallable(press), strategy=strategy
-    )
+    result = calibrated(measured(stiffer), strategy=gf.Sequential(extend_intervals=True))
 
     assert result.status == "calibrated"
     assert result.parameters["modulus"] == pytest.approx(5e5, rel=0.05)
@@ -232,10 +233,8 @@ def test_curve_out_of_reach_moves_the_bound_in_the_way() -> None:
 
 def test_curve_out_of_reach_for_its_shape_says_so() -> None:
     falls = stress(TRUTH, STRAINS)[::-1]
-    result = gf.calibrate(problem(measured(falls)), gf.solvers.PythonCallable(press))
-
-    [miss] = result.out_of_reach
-    assert str(miss).endswith("No simulated curve has the shape of the measured one.")
+    [miss] = calibrated(measured(falls)).out_of_reach
+    assert str(miss).endswith(NO_SUCH_SHAPE())
 
 
 def test_curve_beyond_the_simulated_ones_says_what_they_hold(tmp_path: Path) -> None:
@@ -243,7 +242,7 @@ def test_curve_beyond_the_simulated_ones_says_what_they_hold(tmp_path: Path) -> 
     curve = gf.CurveTarget("stress", strains.tolist(), stress(TRUTH, strains).tolist(), "2 %")
 
     with pytest.raises(gf.RunFailedError, match=r"only 0 to 0\.05, and the measured one"):
-        gf.calibrate(problem(curve), gf.solvers.PythonCallable(press), workdir=tmp_path)
+        calibrated(curve, workdir=tmp_path)
     page = write_report(tmp_path).read_text()
     names = [trace.name for trace in gf.plots.curves(gf.open(tmp_path)).data]
     assert messages.STOPPED() in page
@@ -263,11 +262,7 @@ def test_curves_that_are_too_short_in_a_part_of_the_intervals_are_told() -> None
 
 
 def test_staged_search_calibrates_on_a_curve() -> None:
-    result = gf.calibrate(
-        problem(measured()), gf.solvers.PythonCallable(press), strategy=gf.Staged(design_runs=12)
-    )
-
-    assert result.status == "calibrated"
+    assert calibrated(measured(), strategy=gf.Staged(design_runs=12)).status == "calibrated"
 
 
 def test_curve_and_number_of_two_tests_calibrate_together() -> None:

@@ -239,7 +239,7 @@ def test_noise_of_a_curve_is_named_by_the_curve_and_where_it_is_largest() -> Non
 
 def test_a_result_keeps_its_reasons_as_data_and_its_file_has_them_in_words(tmp_path: Path) -> None:
     reasons = judged(0.3, without=0.99, outliers={"angle": OUTLIERS}).reasons
-    result = replace(RESULT, reasons=reasons, notices=("look",))
+    result = replace(RESULT, reasons=reasons, other_notices=("look",))
     path = tmp_path / "result.json"
     result.to_json(path)
     data = json.loads(path.read_text())
@@ -249,11 +249,11 @@ def test_a_result_keeps_its_reasons_as_data_and_its_file_has_them_in_words(tmp_p
     path.write_text(json.dumps(data))
     later = gf.Result.from_json(path)
     assert later.reasons == reasons[1:]
-    assert later.notices == (str(reasons[0]), "look")
+    assert later.other_notices == (str(reasons[0]), "look")
     # Version 0.2.0 had all in words.
     del data["reasons"]
     path.write_text(json.dumps(data))
-    assert gf.Result.from_json(path).remarks == result.remarks
+    assert gf.Result.from_json(path).notices == result.notices
     path.write_text(json.dumps(data | {"reasons": [{"kind": "outliers decide", "without": "1"}]}))
     with pytest.raises(gf.StoreError, match=r"reasons\.0\.with_all: is missing"):
         gf.Result.from_json(path)

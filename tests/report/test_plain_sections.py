@@ -96,7 +96,7 @@ RESULT = replace(
     rayleigh_time_step_before=0.002054,
     probability_all_met=0.96,
     wall_seconds=120.0,
-    notices=("<i>look</i>",),
+    other_notices=("<i>look</i>",),
 )
 
 

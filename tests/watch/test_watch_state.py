@@ -20,7 +20,7 @@ from benchmarks import campaigns
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import hold
-from grainfit.report import verdict_messages as messages
+from grainfit.report import verdict_messages
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.watch import follower, messages
 from grainfit.watch.state import read_folder, state_of
@@ -55,7 +55,7 @@ def test_a_running_calibration_shows_what_runs_and_what_is_expected(half_way: Pa
     assert pending["number"] == 10
     assert pending["since"] == pytest.approx(time.time(), abs=60)
     assert "particle.density = " in pending["parameters"]
-    assert messages.SO_FAR.is_in(found["verdict"]["line"])
+    assert verdict_messages.SO_FAR.is_in(found["verdict"]["line"])
     assert {row["name"] for row in found["responses"]} == {"bulk_density", "angle_of_repose"}
     for row in found["responses"]:
         bar = row["bar"]
@@ -97,7 +97,7 @@ def test_failures_are_shown_with_reason_the_latest_first(tmp_path: Path) -> None
     assert found["failed"] == 2
     with campaigns.campaign("all_failed", tmp_path / "all"):
         stopped = state(tmp_path / "all")
-    assert stopped["verdict"]["line"] == messages.STOPPED()
+    assert stopped["verdict"]["line"] == verdict_messages.STOPPED()
     assert "no licence" in stopped["verdict"]["details"][0]
 
 
@@ -120,15 +120,15 @@ def test_a_result_that_is_not_written_yet_is_not_missing(tmp_path: Path) -> None
             found = state(tmp_path)
             assert found["verdict"]["line"] == "The last run has ended."
             assert found["provisional"]
-        assert messages.NO_ANSWER.is_in(state(tmp_path)["verdict"]["line"])
+        assert verdict_messages.NO_ANSWER.is_in(state(tmp_path)["verdict"]["line"])
 
 
 def test_a_folder_without_calibration_or_store_says_so(tmp_path: Path) -> None:
-    nothing = messages.NOTHING_THERE()
+    nothing = verdict_messages.NOTHING_THERE()
     assert state(tmp_path / "no_such_folder")["verdict"]["line"] == nothing
     (tmp_path / "runs.sqlite").write_bytes(b"no store" * 100)
     found = state(tmp_path)
-    assert found["verdict"]["line"] == messages.UNREADABLE()
+    assert found["verdict"]["line"] == verdict_messages.UNREADABLE()
     assert "runs.sqlite" in found["verdict"]["details"][0]
 
 

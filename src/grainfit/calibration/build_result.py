@@ -97,7 +97,7 @@ def make_result(
         out_of_reach=answer.out_of_reach if answer else (),
         metamodels=answer.quality if answer else {},
         reasons=outcome.reasons if outcome else (),
-        notices=tuple(notices),
+        other_notices=tuple(notices),
         history=tuple(_summary(evaluation) for evaluation in evaluations),
     )
 

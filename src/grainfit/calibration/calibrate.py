@@ -221,7 +221,7 @@ def _keep(result: Result, path: Path) -> Result:
         result.to_json(path)
     except OSError as error:
         notice = messages.NOT_WRITTEN(path=str(path), why=error.strerror)
-        return replace(result, notices=(*result.notices, notice))
+        return replace(result, other_notices=(*result.other_notices, notice))
     return result
 
 

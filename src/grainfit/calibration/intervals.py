@@ -53,10 +53,10 @@ def with_intervals(
     except (GrainfitError, ArithmeticError, ValueError) as error:
         return _without(result, str(error))
     rough = found.posterior is not None and not found.posterior.converged
-    notices = (*result.notices, *found.notes) if rough else result.notices
-    return replace(result, intervals=found.intervals, notices=notices)
+    notices = (*result.other_notices, *(found.notes if rough else ()))
+    return replace(result, intervals=found.intervals, other_notices=notices)
 
 
 def _without(result: Result, why: str) -> Result:
     notice = messages.NO_INTERVALS(why=why)
-    return replace(result, notices=(*result.notices, notice))
+    return replace(result, other_notices=(*result.other_notices, notice))

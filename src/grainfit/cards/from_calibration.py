@@ -59,7 +59,7 @@ def make_card(
         calibration_file=reading.source,
         identity=reading.identity,
         version=reading.version,
-        notices=answer.remarks,
+        notices=answer.notices,
         contact_models=_contact_models(reading),
     )
 

@@ -72,7 +72,7 @@ def print_headline(console: Console, result: Result) -> None:
 def print_result(console: Console, result: Result, folder: Path) -> None:
     """Print the outcome: parameters, responses against targets, time step, cost."""
     print_headline(console, result)
-    for notice in result.remarks:
+    for notice in result.notices:
         console.print(_text(f"  {notice}", "yellow"))
     for name, quality in result.metamodels.items():
         for warning in quality.warnings:

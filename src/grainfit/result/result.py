@@ -70,10 +70,10 @@ class Result(Summary):
     metamodels : mapping of str to MetamodelQuality
         Quality of the metamodels, by name of the target.
     reasons : sequence of Reason
-        Reasons for the verdict, with their numbers. Empty in a file of version 0.2.0 or older: its
-        notices have them in words.
-    notices : sequence of str
-        Other notices for the user.
+        Reasons for the verdict, with their numbers. A file of version 0.2.0 or older has them in
+        words alone, among the other notices.
+    other_notices : sequence of str
+        Notices that are no reasons for the verdict, such as those of the search.
     history : sequence of RunSummary
         Every parameter set that was simulated, in order.
     intervals : mapping of str to ParameterInterval
@@ -104,7 +104,7 @@ class Result(Summary):
     out_of_reach: tuple[OutOfReach, ...] = ()
     metamodels: Mapping[str, MetamodelQuality] = field(default_factory=dict)
     reasons: tuple[Reason, ...] = ()
-    notices: tuple[str, ...] = ()
+    other_notices: tuple[str, ...] = ()
     history: tuple[RunSummary, ...] = ()
     intervals: Mapping[str, ParameterInterval] = field(default_factory=dict)
     curves: Mapping[str, CurveResult] = field(default_factory=dict)
@@ -117,9 +117,9 @@ class Result(Summary):
         return f"{self.name}: {words}" if self.name else words
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        """All that the user should know: the reasons in words, and the other notices."""
-        return (*map(str, self.reasons), *self.notices)
+    def notices(self) -> tuple[str, ...]:
+        """Notices for the user: the reasons in words, and the others."""
+        return (*map(str, self.reasons), *self.other_notices)
 
     @property
     def sureness(self) -> str:
@@ -199,7 +199,7 @@ class Result(Summary):
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""
-        parts: list[str | TextTable] = [self.headline, *self.remarks]
+        parts: list[str | TextTable] = [self.headline, *self.notices]
         if self.parameters:
             parts += self.tables()
             parts += map(str, self.yield_loci)
@@ -211,8 +211,10 @@ class Result(Summary):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``notices`` begin with the reasons in words."""
-        reasons = [reason.to_json() for reason in self.reasons]
-        return asdict(replace(self, reasons=())) | {"reasons": reasons, "notices": self.remarks}
+        data = asdict(replace(self, reasons=()))
+        data["reasons"] = [reason.to_json() for reason in self.reasons]
+        del data["other_notices"]
+        return data | {"notices": self.notices}
 
     def to_json(self, path: str | Path) -> None:
         """Write the result to a JSON file atomically."""
@@ -267,25 +269,33 @@ def damaged_result(path: str | Path, why: str) -> str:
 
 
 @dataclass(frozen=True)
-class _KindOfReason:
+class _InWords:
+    """What a file has in another form than the result: kinds of reasons, and all notices."""
+
+    reasons: tuple[_Kind, ...] = ()
+    notices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Kind:
     kind: str
 
 
 def _read(text: bytes) -> Result:
     data = in_current_names(parse_json(text))
-    given = data.get("reasons", []) if isinstance(data, dict) else []
-    kinds = [KINDS.get(one.kind) for one in read_plain(tuple[_KindOfReason, ...], given, "reasons")]
-    result: Result = read_plain(Result, data | {"reasons": []} if given else data)
-    if len(result.notices) < len(kinds):
+    found: _InWords = read_plain(_InWords, data)
+    kinds = [KINDS.get(one.kind) for one in found.reasons]
+    if len(found.notices) < len(kinds):
         raise ValueError("notices: have to begin with the reasons")
-    said = [text for text, kind in zip(result.notices, kinds, strict=False) if kind is None]
+    result: Result = read_plain(Result, data | {"reasons": [], "other_notices": []})
+    # A reason of a kind that only a later version knows stays as a notice.
+    said = [text for text, kind in zip(found.notices, kinds, strict=False) if kind is None]
     return replace(
         result,
         reasons=tuple(
             read_plain(kind, one, f"reasons.{place}")
-            for place, (kind, one) in enumerate(zip(kinds, given, strict=True))
+            for place, (kind, one) in enumerate(zip(kinds, data.get("reasons", []), strict=True))
             if kind is not None
         ),
-        # A reason of a kind that only a later version knows is shown as a notice.
-        notices=(*said, *result.notices[len(kinds) :]),
+        other_notices=(*said, *found.notices[len(kinds) :]),
     )

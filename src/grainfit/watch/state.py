@@ -227,7 +227,7 @@ def _notices(reading: Reading) -> Sequence[str]:
     if reading.saved is None or reading.saved.result is None:
         return ()
     shown = shown_verdict(ReportContext(reading.saved, Analysis())).details
-    return [notice for notice in reading.saved.result.remarks if plain(notice) not in shown]
+    return [notice for notice in reading.saved.result.notices if plain(notice) not in shown]
 
 
 def _stop(reading: Reading) -> Mapping[str, Any]:

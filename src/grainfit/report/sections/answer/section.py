@@ -120,7 +120,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
 
 def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[str]:
     result = context.reading.result
-    said = [*result.remarks] if result else []
+    said = [*result.notices] if result else []
     if result:
         for name, quality in result.metamodels.items():
             words = quality.part or context.response_label(name).words
