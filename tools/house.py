@@ -27,7 +27,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),
-    ("exchange", "result"),
+    ("result",),
     ("measurement",),
     ("scenes",),
     ("bulk_tests", "metamodels"),

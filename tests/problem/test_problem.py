@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from grainfit.errors import InputError
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.problem import Parameter, Problem, Target
+from grainfit.problem import Parameter, Problem, Target, TestScope
 
 
 @given(st.floats(0, 1))
@@ -222,3 +222,23 @@ def test_a_tolerance_is_always_there() -> None:
     assert Target("angle", 22.0).tolerance == 0.44
     assert Target("angle", 22.0, uncertainty=0.5).tolerance == 0.5
     assert Target("angle", 22.0, uncertainty=0.5, tolerance=0.7).tolerance == 0.7
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Parameter(None, 0, 1),  # type: ignore[arg-type]
+        lambda: Target(None, 1.0),  # type: ignore[arg-type]
+        lambda: TestScope("heap", 5, ["friction"]),  # type: ignore[arg-type]
+        lambda: TestScope(None, ["angle"], ["friction"]),  # type: ignore[arg-type]
+        lambda: problem_with(rayleigh="short"),
+    ],
+)
+def test_what_is_no_name_or_object_is_a_fault(make: Callable[[], object]) -> None:
+    with pytest.raises(InputError):
+        make()
+
+
+def test_reprs_are_short() -> None:
+    assert repr(Parameter("friction", 0.1, 0.9)) == "Parameter('friction', 0.1, 0.9)"
+    assert repr(problem_with()) == "Problem(parameters=['particle.density'], targets=['angle'])"

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from grainfit.analysis import messages
+
 Array = NDArray[np.float64]
 #: Logarithms of the density at points, but for a constant, shape (m, d) to (m,).
 LogDensity = Callable[[Array], Array]
@@ -272,23 +274,21 @@ class _Convergence:
         return enough and self.settled and self.r_hat <= _LARGEST_R_HAT
 
     def in_words(self, shape: tuple[int, ...], steps: int, needed: float) -> str:
-        made = (
-            f"{shape[1]} ensembles of {shape[2]} walkers, started independently of each other, "
-            f"made {steps} steps each; they count as {self.effective_samples:,.0f} independent "
-            f"samples, R-hat is {self.r_hat:.3f}."
+        made = messages.ENSEMBLES(
+            ensembles=shape[1],
+            walkers=shape[2],
+            steps=steps,
+            samples=self.effective_samples,
+            r_hat=self.r_hat,
         )
         if self.reached(needed):
             return made
         reasons = []
         if self.effective_samples < needed or not self.settled:
-            reasons.append(f"{needed:,.0f} independent samples are needed")
+            reasons.append(messages.SAMPLES_NEEDED(needed=needed))
         if not self.r_hat <= _LARGEST_R_HAT:
-            reasons.append(
-                f"R-hat above {_LARGEST_R_HAT} says that the ensembles do not agree with each other"
-            )
-        return (
-            f"{made} Not converged: {'; '.join(reasons)}. Take intervals and correlations as rough."
-        )
+            reasons.append(messages.ENSEMBLES_DISAGREE(most=_LARGEST_R_HAT))
+        return messages.NOT_CONVERGED(made=made, reasons="; ".join(reasons))
 
 
 def _autocorrelation_times(chains: Array) -> tuple[Array, bool]:

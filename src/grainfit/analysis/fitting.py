@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from grainfit.analysis import messages
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.known_runs import (
     LARGEST_DISTANCE,
@@ -63,7 +64,7 @@ def fit_runs(
     chosen = _chosen(problem, usable, answer, seed, notes)
     whole, missing = fit_where_possible(problem, chosen)
     if chosen:
-        notes += [f"There is no metamodel of {name}: {why}" for name, why in missing.items()]
+        notes += [messages.NO_METAMODEL(name=name, why=why) for name, why in missing.items()]
     return Fitted(whole, whole.reduced() if whole else None, tuple(chosen), tuple(notes))
 
 
@@ -78,16 +79,12 @@ def _usable(
     telling = [e for e in evaluations if not e.response_names.isdisjoint(problem.responses)]
     near = [e for e in telling if _is_near(problem, e.proposal.parameters)]
     if not telling:
-        notes.append(
-            f"None of {len(evaluations)} runs yielded a response: nothing can be said."
-            if evaluations
-            else "There is no run yet that yielded a response: nothing can be said."
-        )
+        none = messages.NO_RESPONSES(runs=len(evaluations)) if evaluations else messages.NO_RUNS()
+        notes.append(none)
     elif len(near) < len(telling):
-        notes.append(
-            f"{len(telling) - len(near)} of {len(telling)} runs are farther outside the intervals "
-            f"than {LARGEST_DISTANCE:.0%} of their widths and are left out."
-        )
+        left_out, runs = len(telling) - len(near), len(telling)
+        share = LARGEST_DISTANCE
+        notes.append(messages.RUNS_FAR_OUTSIDE(left_out=left_out, runs=runs, share=share))
     return near
 
 
@@ -115,16 +112,14 @@ def _chosen(
     chosen = nearest_runs(problem, evaluations, answer if holds else None, seed=seed)
     if len(chosen) < len(evaluations):
         inside = sum(distance_outside(problem, e.proposal.parameters) == 0.0 for e in evaluations)
-        notes.append(
-            f"The analysis rests on {MOST_RUNS} of {len(evaluations)} runs, because its effort "
-            f"grows with the cube of their number: {_which(inside, holds)}."
-        )
+        runs, which = len(evaluations), _which(inside, holds)
+        notes.append(messages.RUNS_CHOSEN(chosen=MOST_RUNS, runs=runs, which=which))
     return chosen
 
 
 def _which(inside: int, answer_is_known: bool) -> str:
     if inside <= MOST_RUNS:
         return f"the {inside} within the intervals and those nearest to them"
-    words = "the answer" if answer_is_known else "what looks like the answer"
+    centre = "the answer" if answer_is_known else "what looks like the answer"
     half = MOST_RUNS // 2
-    return f"the {half} nearest to {words} and {MOST_RUNS - half} spread over the others"
+    return f"the {half} nearest to {centre} and {MOST_RUNS - half} spread over the others"

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from scipy.stats import rankdata
 from threadpoolctl import threadpool_limits
 
+from grainfit.analysis import messages
 from grainfit.analysis.ensemble import sample_cube
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.extras import import_extra
 from grainfit.metamodels.likelihood import log_density
 from grainfit.metamodels.metamodels import Metamodels
@@ -70,7 +71,7 @@ class Posterior:
             There is no such parameter, or the level is not between 0 and 1.
         """
         if not 0.0 < level < 1.0:
-            raise InputError(Fault("level", f"is {level}.", "Give a probability between 0 and 1."))
+            raise InputError(messages.BAD_LEVEL.fault("level", given=level))
         tail = (1.0 - level) / 2.0
         low, high = np.quantile(self._of(name), [tail, 1.0 - tail])
         return float(low), float(high)
@@ -127,9 +128,8 @@ class Posterior:
 
     def _of(self, name: str) -> Array:
         if name not in self.names:
-            raise InputError(
-                Fault("name", f"{name!r} is no free parameter.", f"Use {', '.join(self.names)}.")
-            )
+            known = ", ".join(self.names)
+            raise InputError(messages.NO_PARAMETER.fault("name", given=name, known=known))
         return np.asarray(self.values[:, self.names.index(name)])
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
+from grainfit.analysis import messages
 from grainfit.analysis.curve_scatter import CurveScatter
 from grainfit.analysis.scatter_statistics import (
     MANY_RUNS,
@@ -13,7 +14,7 @@ from grainfit.analysis.scatter_statistics import (
     interval_of_deviation,
     runs_within,
 )
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (
     counted,
@@ -166,25 +167,14 @@ def _advice(found: ResponseScatter) -> str:
     runs, target = found.runs_for_tolerance, found.target
     if runs is None or target is None or runs <= 1:
         return ""
-    ratio = (found.standard_deviation or 0.0) / target.tolerance
-    words = (
-        f"{found.name}: one run scatters by {number(ratio, 2)} times the tolerance; "
-        f"{_mean_within(runs)}"
-    )
+    within = messages.MEAN_WITHIN(runs=counted(runs, "run"))
     value = target.value if target.is_relative else None
     deviation = found.standard_deviation or 0.0
     if useless := useless_scatter(target.name, target.unit, deviation, target.tolerance, value):
-        return f"{useless} {_mean_within(runs).capitalize()}"
-    if runs <= MANY_RUNS:
-        return words
-    return (
-        f"{words} A larger sample in the test, another response or a wider tolerance helps more "
-        "than that many runs."
-    )
-
-
-def _mean_within(runs: int) -> str:
-    return f"the mean of {counted(runs, 'run')} is within it (95 %)."
+        return f"{useless} {within.capitalize()}"
+    ratio = number(deviation / target.tolerance, 2)
+    scatters = messages.ONE_RUN_SCATTERS(name=found.name, ratio=ratio, mean_within=within)
+    return scatters if runs <= MANY_RUNS else messages.MANY_RUNS_NEEDED(scatters=scatters)
 
 
 def scatter_over_seeds(
@@ -234,13 +224,13 @@ def scatter_over_seeds(
 
 def _require_repeats(evaluations: Sequence[Evaluation]) -> None:
     if not evaluations:
-        raise InputError(Fault("evaluations", "are empty.", "Give those of several seeds."))
+        raise InputError(messages.NO_EVALUATIONS.fault("evaluations"))
     points = {tuple(sorted(e.proposal.parameters.items())) for e in evaluations}
     if len(points) > 1:
-        words = f"are at {len(points)} parameter sets."
-        raise InputError(Fault("evaluations", words, "Give those of one."))
+        fault = messages.SEVERAL_PARAMETER_SETS.fault("evaluations", count=len(points))
+        raise InputError(fault)
     seeds = [e.proposal.seed for e in evaluations]
     repeated = sorted({seed for seed in seeds if seeds.count(seed) > 1})
     if repeated:
-        words = f"have more than one run of seed {in_a_row(map(str, repeated))}."
-        raise InputError(Fault("evaluations", words, "Give every run once."))
+        seeds_twice = in_a_row(map(str, repeated))
+        raise InputError(messages.SEED_TWICE.fault("evaluations", seeds=seeds_twice))

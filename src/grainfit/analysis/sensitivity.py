@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from grainfit.analysis import messages
 from grainfit.analysis.surfaces import draw_surfaces
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
@@ -116,11 +117,12 @@ def estimate_sensitivity(
     """Estimate Sobol' indices of the expected responses over the intervals of the parameters.
 
     The indices of many surfaces that agree with the runs are computed, each at another bootstrap
-    sample of the points: so their spread has the error of the metamodel and that of the points.
-    That is not enough, because a metamodel may take what it does not see for scatter. So the
-    intervals also hold the indices of the metamodel's mean if the part of the variance that it
-    leaves unexplained (of the surfaces drawn, or of runs left out) is due to one parameter alone,
-    or to others.
+    sample of the points. Their spread has the error of the metamodel and that of the points.
+
+    A metamodel may take an effect that it does not resolve for scatter. So the intervals are wider:
+    they hold the indices of the metamodel's mean for two extreme cases. In the first, the
+    unexplained variance is due to one parameter alone; in the second, to the others. Unexplained
+    is the variance of the surfaces drawn, or that of runs left out.
 
     Parameters
     ----------
@@ -148,7 +150,7 @@ def estimate_sensitivity(
     from the metamodel, with bootstrap.
     """
     if points < 2 or points & (points - 1):
-        raise InputError(Fault("points", f"is {points}.", "Give a power of two, such as 512."))
+        raise InputError(messages.NO_POWER_OF_TWO.fault("points", given=points))
     problem = metamodels.problem
     names = tuple(parameter.name for parameter in problem.parameters)
     scopes = tuple(tuple(problem.scope_of(t.name).parameters) for t in problem.targets)

@@ -13,6 +13,7 @@ import numpy as np
 
 from grainfit.evaluation import ALL_RUNS, Evaluation
 from grainfit.formatting import counted, number
+from grainfit.metamodels import messages
 from grainfit.problem import Problem, Target
 
 #: Response, over the measured value and the usual ones, above which a run has blown up.
@@ -45,9 +46,11 @@ def about_blow_ups(problem: Problem, evaluations: Sequence[Evaluation]) -> Itera
         found = [abs(response) for response in _values(target, evaluations)]
         blown = [value for value in found if value > limit]
         if blown:
-            yield (
-                f"{target.name}: {counted(len(blown), 'run')} of {len(found)} gave up to "
-                f"{number(max(blown), 2)}, which is no physical answer: they count as failed."
+            yield messages.BLOWN_UP_RUNS(
+                name=target.name,
+                runs=counted(len(blown), "run"),
+                count=len(found),
+                largest=number(max(blown), 2),
             )
 
 
@@ -72,7 +75,7 @@ def _judged(problem: Problem, limits: dict[str, float], evaluation: Evaluation) 
         return evaluation
     scopes = [problem.scope_of(name) for name in blown]
     gone = {target for scope in scopes for target in scope.targets}
-    why = "gave a response that is no physical answer"
+    why = messages.BLOWN_UP()
     return replace(
         evaluation,
         responses={name: r for name, r in evaluation.responses.items() if name not in gone},

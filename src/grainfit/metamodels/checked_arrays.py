@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
+from grainfit.metamodels import messages
 from grainfit.metamodels.predictor import FloatArray
 
 # Beyond these, squares of the response or of its rounding error are no floating-point numbers.
@@ -32,18 +33,16 @@ def checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> Float
     try:
         found = np.asarray(array, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(Fault(name, "is not an array of numbers.")) from None
+        raise InputError(messages.NO_ARRAY.fault(name)) from None
     fits = len(found.shape) == len(shape) and all(
         want is None or want == got for want, got in zip(shape, found.shape, strict=True)
     )
     if not fits:
         wanted = " x ".join("any" if length is None else str(length) for length in shape)
-        raise InputError(Fault(name, f"has the shape {found.shape}, needed is {wanted}."))
+        raise InputError(messages.BAD_SHAPE.fault(name, shape=found.shape, wanted=wanted))
     if not np.isfinite(found).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(found))[0])
-        raise InputError(
-            Fault(name, f"has the value {found[where]} at {where}.", "Leave failed runs out.")
-        )
+        raise InputError(messages.NOT_FINITE.fault(name, value=found[where], where=where))
     return found
 
 
@@ -52,13 +51,9 @@ def checked_values(values: ArrayLike, n: int) -> FloatArray:
     found = checked("values", values, (n,))
     largest = float(np.abs(found).max(initial=0.0))
     if largest and not _MAGNITUDES[0] <= largest <= _MAGNITUDES[1]:
-        raise InputError(
-            Fault(
-                "values",
-                f"are as large as {largest:g}.",
-                f"Give responses that are {_MAGNITUDES[0]:g} to {_MAGNITUDES[1]:g} large, or 0.",
-            )
-        )
+        least, most = _MAGNITUDES
+        fault = messages.BAD_MAGNITUDE.fault("values", largest=largest, least=least, most=most)
+        raise InputError(fault)
     return found
 
 
@@ -68,7 +63,7 @@ def checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance")
         return np.zeros(n)
     found = checked(name, noise, (n,))
     if (found < 0).any():
-        raise InputError(Fault(name, f"has the negative value {found.min():g}."))
+        raise InputError(messages.NEGATIVE.fault(name, least=found.min()))
     return found
 
 
@@ -76,11 +71,6 @@ def checked_points(points: ArrayLike, d: int | None) -> FloatArray:
     """Return points in or about the unit cube of d dimensions, or raise `InputError`."""
     found = checked("points", points, (None, d))
     if found.size and (found.min() < -1.0 or found.max() > 2.0):
-        raise InputError(
-            Fault(
-                "points",
-                f"reach from {found.min():g} to {found.max():g}.",
-                "Give points of the unit cube (0 to 1 over each interval).",
-            )
-        )
+        low, high = found.min(), found.max()
+        raise InputError(messages.OUTSIDE_CUBE.fault("points", low=low, high=high))
     return found

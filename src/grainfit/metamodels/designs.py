@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
+from grainfit.metamodels import messages
 
 _Floats = NDArray[np.float64]
 
@@ -85,7 +86,7 @@ def smallest_distance(points: _Floats) -> float:
 
 def _require_whole_numbers(arguments: dict[str, tuple[Any, int]]) -> None:
     faults = [
-        Fault(name, f"{value!r} is not a whole number of at least {lowest}.")
+        messages.NO_WHOLE_NUMBER.fault(name, given=value, least=lowest)
         for name, (value, lowest) in arguments.items()
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < lowest
     ]

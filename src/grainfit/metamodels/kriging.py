@@ -23,7 +23,8 @@ from scipy.special import stdtrit
 from scipy.stats import binom
 from threadpoolctl import threadpool_limits
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
+from grainfit.metamodels import messages
 from grainfit.metamodels.checked_arrays import (
     checked,
     checked_noise,
@@ -160,13 +161,8 @@ class Kriging:
         n, d = points.shape
         values = checked_values(values, n)
         if n < _MINIMUM_RUNS or d < 1:
-            raise InputError(
-                Fault(
-                    "points",
-                    f"{n} runs of {d} free parameters cannot be fitted.",
-                    f"Give at least {_MINIMUM_RUNS} runs of at least one parameter.",
-                )
-            )
+            fault = messages.TOO_FEW_RUNS.fault("points", runs=n, parameters=d, least=_MINIMUM_RUNS)
+            raise InputError(fault)
         known_noise = checked_noise(noise_variance, n)
         candidates = noise_ratios(checked_noise(standard_errors, n, "standard_errors"))
         if scatter is not None:
@@ -527,9 +523,7 @@ class Kriging:
             If none is to be kept.
         """
         if components < 1:
-            raise InputError(
-                Fault("components", f"is {components}.", "Keep at least 1 set of hyperparameters.")
-            )
+            raise InputError(messages.NO_COMPONENTS.fault("components", given=components))
         if components >= self.components:
             return self
         kept = np.sort(np.argsort(-self._weights, kind="stable")[:components])

@@ -14,6 +14,7 @@ from scipy.stats import qmc
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import counted
+from grainfit.metamodels import messages
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import Reduction, about_short_curves, runs_with_curve
 from grainfit.metamodels.kriging import Kriging
@@ -421,22 +422,16 @@ def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str
         return
     asked = [e for e in evaluations if not problem.tests or e.proposal.asks_for(scope.name)]
     where = counted(places, "different place")
-    few = (
-        f"only {len(known)} of {counted(len(asked), 'run')} gave the response {name!r}, at {where}"
-        if len(known) < len(asked) or not known
-        else f"{counted(len(known), 'run')} gave the response {name!r}, at only {where}"
-    )
+    if len(known) < len(asked) or not known:
+        runs = counted(len(asked), "run")
+        few = messages.FEW_RESPONSES(known=len(known), runs=runs, name=name, places=where)
+    else:
+        few = messages.FEW_PLACES(runs=counted(len(known), "run"), name=name, places=where)
     reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
     because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
     short = [about_short_curves(c, evaluations) for c in problem.curves if c.name == name]
-    raise RunFailedError(
-        " ".join(
-            [
-                f"{few}, and {needed} are needed for its metamodel.{because}",
-                *filter(None, short),
-            ]
-        )
-    )
+    why = messages.NO_METAMODEL(few=few, needed=needed, because=because)
+    raise RunFailedError(" ".join([why, *filter(None, short)]))
 
 
 def _fit(

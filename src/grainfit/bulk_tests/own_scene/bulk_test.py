@@ -24,7 +24,7 @@ from grainfit.bulk_tests.view import Shown
 from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, scalars
-from grainfit.exchange import read_responses
+from grainfit.evaluation.exchange import read_responses
 from grainfit.files import LARGEST_MODEL, read_within, write_atomically
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, read_options

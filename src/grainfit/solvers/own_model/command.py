@@ -16,7 +16,7 @@ from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Measured
-from grainfit.exchange import finite_parameters
+from grainfit.evaluation.exchange import finite_parameters
 from grainfit.files import is_file, log_tail
 from grainfit.formatting import variable_name
 from grainfit.options.python_file import PythonFile

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import Measured
-from grainfit.exchange import about_missing, read_responses
+from grainfit.evaluation.exchange import about_missing, read_responses
 from grainfit.files import LARGEST_RESPONSES, log_tail, read_within
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Workspace

@@ -21,7 +21,7 @@ from typing_extensions import override
 
 from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Measured
-from grainfit.exchange import finite_parameters, read_responses
+from grainfit.evaluation.exchange import finite_parameters, read_responses
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.process.faults import machine_error

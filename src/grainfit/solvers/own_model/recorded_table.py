@@ -15,7 +15,7 @@ from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
-from grainfit.exchange import finite_parameters
+from grainfit.evaluation.exchange import finite_parameters
 from grainfit.options.kinds import Quantity
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model import table_messages as messages

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from numbers import Real
 from typing import Literal, TypeAlias
 
-from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.errors import InputError, RunFailedError
+from grainfit.evaluation import messages
+from grainfit.evaluation.names import ALL_RUNS, name_of_test, names_of_tests, response_name
+from grainfit.evaluation.response import Curve, Response
 
 Stage = Literal["design", "optimisation", "verification"]
-#: Column of a response's standard error in tables of runs: after the name of the response.
-ERROR_SUFFIX = ".standard_error"
-
-#: Name under which a failure is kept that was told without the name of a test.
-ALL_RUNS = "run"
-
-_FURTHER_SEED = re.compile(r", seed \d+$")
 
 
 @dataclass(frozen=True)
@@ -138,14 +132,13 @@ class Evaluation:
         """
         if isinstance(outcome, Evaluation):
             if outcome.proposal != proposal:
-                raise InputError(Fault("outcome", "is the evaluation of another proposal."))
+                raise InputError(messages.OTHER_PROPOSAL.fault("outcome"))
             return outcome
         if isinstance(outcome, RunFailedError):
             by_machine = outcome.kind == "machine"
             return cls(proposal, {}, {ALL_RUNS: outcome.reason}, failed_by_machine=by_machine)
         if not isinstance(outcome, Mapping):
-            remedy = 'Give responses by name, {"angle": 31.2}, or RunFailedError("why it failed").'
-            raise InputError(Fault("outcome", f"is {outcome!r}.", remedy))
+            raise InputError(messages.NO_OUTCOME.fault("outcome", given=outcome))
         curves = {name: found for name, found in outcome.items() if isinstance(found, Curve)}
         numbers = {n: _response(n, found) for n, found in outcome.items() if n not in curves}
         return cls(proposal, numbers, curves=curves)
@@ -155,117 +148,9 @@ def _response(name: str, value: object) -> Response:
     response = value if isinstance(value, Response) else None
     number = response.value if response else value
     if not isinstance(number, Real) or isinstance(number, bool) or not math.isfinite(number):
-        remedy = 'Give a finite number; a run that has none failed: RunFailedError("why").'
-        raise InputError(Fault(name, f"is {number!r}.", remedy))
+        raise InputError(messages.NO_RESPONSE.fault(name, given=number))
     return response or Response(float(number))
 
 
-@dataclass(frozen=True)
-class Response:
-    """One measured quantity of one run.
-
-    Parameters
-    ----------
-    value : float
-        Value in SI units; angles in degrees.
-    standard_error : float
-        Standard error of this run's value, 0 if unknown. The metamodels estimate the scatter from
-        the runs. Standard errors indicate which runs scatter more than others (a short average, a
-        small heap); they are used if the runs confirm them.
-    """
-
-    value: float
-    standard_error: float = 0.0
-
-
-@dataclass(frozen=True)
-class Curve:
-    """A response over a coordinate, such as stress over strain, of one run.
-
-    Parameters
-    ----------
-    coordinates, values : sequence of float
-        Points, at least two, coordinates increasing; in SI units.
-    stays : bool
-        Whether the last value holds for all larger coordinates, as the mass that has left a
-        container does.
-
-    Raises
-    ------
-    InputError
-        The points are fewer than two, not finite, or not in order.
-
-    Examples
-    --------
-    >>> Curve([0.0, 0.5, 1.0], [0.0, 2.0, 3.0]).values
-    (0.0, 2.0, 3.0)
-    """
-
-    coordinates: Sequence[float]
-    values: Sequence[float]
-    stays: bool = False
-
-    def __post_init__(self) -> None:
-        for key in ("coordinates", "values"):
-            given = getattr(self, key)
-            try:
-                numbers = tuple(map(float, given))
-            except (TypeError, ValueError):
-                numbers = ()
-            if len(numbers) < 2 or not all(map(math.isfinite, numbers)):
-                raise InputError(Fault(key, "are not finite numbers.", "Give at least two."))
-            object.__setattr__(self, key, numbers)
-        places = self.coordinates
-        if len(places) != len(self.values):
-            words = f"are {len(places)}, and there are {len(self.values)} values."
-            raise InputError(Fault("coordinates", words, "Give one for each value."))
-        if any(later <= earlier for earlier, later in pairwise(places)):
-            raise InputError(Fault("coordinates", "do not increase.", "Sort the points."))
-
-
-#: A response as a run yields it: one number, or a curve.
-Measured: TypeAlias = Response | Curve
 #: Outcome of a run: responses by name, the failure, or an evaluation.
 Outcome: TypeAlias = Mapping[str, "float | Response | Curve"] | RunFailedError | Evaluation
-
-
-def scalars(found: Mapping[str, Measured]) -> dict[str, Response]:
-    """Return the responses that are one number."""
-    return {name: one for name, one in found.items() if isinstance(one, Response)}
-
-
-def curves(found: Mapping[str, Measured]) -> dict[str, Curve]:
-    """Return the responses that are curves."""
-    return {name: one for name, one in found.items() if isinstance(one, Curve)}
-
-
-def response_name(test: str, name: str, tests: int) -> str:
-    """Return the name of a test's response in a calibration with this number of tests."""
-    return name if tests == 1 else f"{test}.{name}"
-
-
-def run_name(test: str, number: int) -> str:
-    """Return the name of the numbered run of an evaluation: that of its test for the first.
-
-    Examples
-    --------
-    >>> run_name("heap", 1), run_name("heap", 2)
-    ('heap', 'heap, seed 2')
-    """
-    return test if number == 1 else f"{test}, seed {number}"
-
-
-def name_of_test(run: str) -> str:
-    """Return the test of a `run_name`.
-
-    Examples
-    --------
-    >>> name_of_test("heap, seed 2")
-    'heap'
-    """
-    return _FURTHER_SEED.sub("", run)
-
-
-def names_of_tests(runs: Iterable[str]) -> tuple[str, ...]:
-    """Return the tests of some runs by their names, each once."""
-    return tuple(dict.fromkeys(map(name_of_test, runs)))

@@ -9,8 +9,9 @@ from numbers import Real
 from typing import Any
 
 from grainfit.checks import as_number
-from grainfit.errors import Fault, InputError, RunFailedError
-from grainfit.evaluation import Curve, Measured, Response
+from grainfit.errors import InputError, RunFailedError
+from grainfit.evaluation import messages
+from grainfit.evaluation.response import Curve, Measured, Response
 
 _RESPONSE_FORMS = (
     "A response is a number, a pair of value and standard error, "
@@ -27,7 +28,7 @@ def finite_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
         A value is not a finite number; all of them are named.
     """
     faults = [
-        Fault(str(name), f"is {value!r}, not a finite number.", "Give a finite number.")
+        messages.PARAMETER_NOT_FINITE.fault(str(name), given=value)
         for name, value in parameters.items()
         if not isfinite(as_number(value))
     ]

@@ -1,0 +1,28 @@
+"""Messages of metamodels: arrays that cannot be fitted, and runs that are left out."""
+
+from grainfit.messages import Message
+
+NO_ARRAY = Message("is not an array of numbers.")
+BAD_SHAPE = Message("has the shape {shape}, needed is {wanted}.")
+NOT_FINITE = Message("has the value {value} at {where}.", "Leave failed runs out.")
+BAD_MAGNITUDE = Message(
+    "are as large as {largest:g}.", "Give responses that are {least:g} to {most:g} large, or 0."
+)
+NEGATIVE = Message("has the negative value {least:g}.")
+OUTSIDE_CUBE = Message(
+    "reach from {low:g} to {high:g}.", "Give points of the unit cube (0 to 1 over each interval)."
+)
+NO_WHOLE_NUMBER = Message("{given!r} is not a whole number of at least {least}.")
+TOO_FEW_RUNS = Message(
+    "{runs} runs of {parameters} free parameters cannot be fitted.",
+    "Give at least {least} runs of at least one parameter.",
+)
+NO_COMPONENTS = Message("is {given}.", "Keep at least 1 set of hyperparameters.")
+BLOWN_UP = Message("gave a response that is no physical answer")
+BLOWN_UP_RUNS = Message(
+    "{name}: {runs} of {count} gave up to {largest}, which is no physical answer: they count as "
+    "failed."
+)
+FEW_RESPONSES = Message("only {known} of {runs} gave the response {name!r}, at {places}")
+FEW_PLACES = Message("{runs} gave the response {name!r}, at only {places}")
+NO_METAMODEL = Message("{few}, and {needed} are needed for its metamodel.{because}")
