@@ -17,6 +17,7 @@ from dataclasses import InitVar, dataclass, field, fields, replace
 from functools import cache, cached_property
 from typing import Any, ClassVar, Self
 
+from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.refused_factor import with_factor
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
 from grainfit.bulk_tests.setup import Setup
@@ -488,4 +489,4 @@ def read_sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:
 def _as_sizes(sizes: Any) -> ParticleSizes:
     if isinstance(sizes, ParticleSizes):
         return sizes
-    raise InputError(Fault("sizes", f"is {sizes!r}.", 'Give diameter="10 mm", or a ParticleSizes.'))
+    raise InputError(messages.NO_SIZES.fault("sizes", sizes=sizes))

@@ -11,7 +11,7 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any, cast
 
-from grainfit.bulk_tests import own_scene
+from grainfit.bulk_tests import messages, own_scene
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
 from grainfit.bulk_tests.compression import Compression as Compression
 from grainfit.bulk_tests.discharge import Discharge as Discharge
@@ -105,13 +105,7 @@ def recreate_test(definition: RunDefinition) -> BulkTest | None:
         reason = f"{error} is missing"
     except (TypeError, ValueError, AttributeError) as error:
         reason = str(error)
-    raise InputError(
-        Fault(
-            "",
-            f"does not define a {test.type} test: {reason}.",
-            "It was edited, or written by another version of grainfit.",
-        )
-    )
+    raise InputError(messages.DAMAGED_DEFINITION.fault("", type=test.type, reason=reason))
 
 
 def curve_info(name: str) -> CurveInfo | None:

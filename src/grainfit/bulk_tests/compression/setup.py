@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 
+from grainfit.bulk_tests.compression import messages
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import (
     Filling,
@@ -133,12 +134,12 @@ class CompressionSetup(Setup):
         if density is not None:
             weight = _SOLID_FRACTION * density * self.gravity * self.strike_off_height
             if weight > _LARGEST_WEIGHT * self.stress:
-                yield Fault(
+                yield messages.BED_IS_HEAVY.fault(
                     "stress",
-                    f"{self.stress:g} Pa is not much more than the bed's own weight of about "
-                    f"{weight:.3g} Pa (particle.density {density:g} kg/m^3).",
-                    f"Use at least {weight / _LARGEST_WEIGHT:.2g} Pa, or a lower "
-                    "strike_off_height.",
+                    stress=self.stress,
+                    weight=weight,
+                    density=density,
+                    least=weight / _LARGEST_WEIGHT,
                 )
 
     def fault_stages(self) -> Iterator[list[Fault]]:
@@ -157,20 +158,19 @@ class CompressionSetup(Setup):
     def _depth_faults(self) -> Iterator[Fault]:
         height, lowest = self.strike_off_height, _SHALLOWEST_BED * self.largest
         if height < lowest:
-            yield Fault(
+            yield messages.BED_IS_SHALLOW.fault(
                 "strike_off_height",
-                f"a bed of {height:g} m is less than {_SHALLOWEST_BED:g} of the largest particles "
-                f"({self.largest:g} m) deep.",
-                f"Use at least {lowest:g} m.",
+                height=height,
+                fewest=_SHALLOWEST_BED,
+                largest=self.largest,
+                lowest=lowest,
             )
 
     def _stress_faults(self) -> Iterator[Fault]:
         stress, seating = self.stress, self.seating_stress
         if seating > 0.4 * stress:
-            yield Fault(
-                "seating_stress",
-                f"{seating:g} Pa leaves no curve between it and the stress of {stress:g} Pa.",
-                f"Use about {_SEATING_SHARE * stress:g} Pa (the default).",
+            yield messages.NO_CURVE.fault(
+                "seating_stress", seating=seating, stress=stress, usual=_SEATING_SHARE * stress
             )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.discharge import messages
 from grainfit.bulk_tests.shared.orifice import Orifice
 from grainfit.bulk_tests.shared.slot_box import container_faults
 from grainfit.bulk_tests.view import Outline, circle
@@ -55,11 +56,8 @@ class RoundContainer:
     def faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
         """Iterate over what is impossible about the container."""
         if self.orifice_radius >= self.radius:
-            yield Fault(
-                "orifice_diameter",
-                f"an orifice of {self.orifice.width:g} m is not narrower than the container of "
-                f"{2 * self.radius:g} m.",
-                "Make the orifice smaller or the container wider.",
+            yield messages.ORIFICE_IS_WIDE.fault(
+                "orifice_diameter", width=self.orifice.width, diameter=2 * self.radius
             )
         yield from self.orifice.passing_faults(sizes)
         yield from container_faults(sizes, 2 * self.radius, self.fill_height)

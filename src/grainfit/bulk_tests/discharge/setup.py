@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from functools import cached_property
 
+from grainfit.bulk_tests.discharge import messages
 from grainfit.bulk_tests.discharge.round_container import RoundContainer
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
@@ -131,10 +132,8 @@ class DischargeSetup(Setup):
         """Iterate over options that belong to the other kind of orifice."""
         for name in filter(self.is_given, _MISPLACED[self.orifice]):
             other = SLOT if self.is_round else ROUND
-            yield Fault(
-                name,
-                f"{self.option(name):g} m belongs to an orifice that is {_article(other)}.",
-                f'Leave it out, or set orifice = "{other}".',
+            yield messages.OTHER_ORIFICE.fault(
+                name, value=self.option(name), other_kind=_article(other), other=other
             )
 
 

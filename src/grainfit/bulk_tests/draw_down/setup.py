@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 
+from grainfit.bulk_tests.draw_down import messages
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
 from grainfit.bulk_tests.shared.slot_box import (
@@ -106,16 +107,13 @@ class DrawDownSetup(Setup):
     def _floor_faults(self) -> Iterator[Fault]:
         distance, needed = self.floor_distance, (CLEARANCE + 3) * self.largest
         if distance < needed:
-            yield Fault(
-                "floor_distance",
-                f"a floor {distance:g} m below the shelf leaves no room for a heap whose apex is "
-                f"{CLEARANCE:g} diameters below it.",
-                f"Use at least {needed:g} m; 14 diameters are enough for most materials.",
+            yield messages.NO_ROOM_FOR_HEAP.fault(
+                "floor_distance", distance=distance, clearance=CLEARANCE, needed=needed
             )
         if self.floor_half_width <= self.width / 2:
-            yield Fault(
+            yield messages.FLOOR_IS_NARROW.fault(
                 "floor_half_width",
-                f"a floor of half width {self.floor_half_width:g} m is not wider than the box of "
-                f"{self.width:g} m.",
-                f"Use at least {1.25 * self.width:g} m.",
+                floor_half_width=self.floor_half_width,
+                width=self.width,
+                least=1.25 * self.width,
             )

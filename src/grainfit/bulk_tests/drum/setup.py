@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import count_faults
 from grainfit.errors import Fault
@@ -118,35 +119,36 @@ class DrumSetup(Setup):
         largest = self.largest
         least, length = _LEAST_RADIUS * largest, _LEAST_LENGTH * largest
         if self.drum_radius < least:
-            yield Fault(
+            yield messages.DRUM_IS_NARROW.fault(
                 "drum_radius",
-                f"a drum of {self.drum_radius:g} m radius is narrower than {_LEAST_RADIUS:g} of "
-                f"the largest particles ({largest:g} m).",
-                f"Use at least {least:g} m.",
+                drum_radius=self.drum_radius,
+                fewest=_LEAST_RADIUS,
+                largest=largest,
+                least=least,
             )
         if self.drum_length < length:
-            yield Fault(
+            yield messages.DRUM_IS_SHORT.fault(
                 "drum_length",
-                f"a length of {self.drum_length:g} m repeats after less than {_LEAST_LENGTH:g} of "
-                f"the largest particles ({largest:g} m).",
-                f"Use at least {length:g} m.",
+                drum_length=self.drum_length,
+                fewest=_LEAST_LENGTH,
+                largest=largest,
+                length=length,
             )
         if self.is_given("rotational_speed") and self.is_given("froude_number"):
-            yield Fault(
+            yield messages.SPEED_GIVEN_TWICE.fault(
                 "froude_number",
-                f"{self.froude_number:g} is given beside the rotational_speed "
-                f"{self.rotational_speed:g} rad/s.",
-                "Give one of them.",
+                froude_number=self.froude_number,
+                rotational_speed=self.rotational_speed,
             )
         froude = self.rotational_speed**2 * self.drum_radius / self.gravity
         if froude > 1:
             slowest = math.sqrt(self.gravity / self.drum_radius)
-            yield Fault(
+            yield messages.TOO_FAST.fault(
                 "rotational_speed",
-                f"{self.rotational_speed:g} rad/s is a Froude number of {froude:.3g}: above 1 the "
-                "particles are carried all the way round.",
-                f"Use less than {slowest:g} rad/s; the default is a Froude number of "
-                f"{FROUDE_NUMBER:g}.",
+                rotational_speed=self.rotational_speed,
+                froude=froude,
+                slowest=slowest,
+                usual=FROUDE_NUMBER,
             )
         lengths = {"drum_radius": self.drum_radius, "drum_length": self.drum_length}
         too_many = [*count_faults(self.particle_count, lengths)]
@@ -160,9 +162,9 @@ class DrumSetup(Setup):
         fraction = self.particle_count * mean_particle_volume(self.sizes) / room
         if fraction > _LARGEST_FRACTION:
             highest = math.floor(100 * self.fill_level * _LARGEST_FRACTION / fraction) / 100
-            yield Fault(
+            yield messages.NO_ROOM.fault(
                 "fill_level",
-                f"{self.fill_level:g} leaves no room to place {self.particle_count} particles at "
-                "random.",
-                f"Use at most {highest:g}, or a larger drum.",
+                fill_level=self.fill_level,
+                particle_count=self.particle_count,
+                highest=highest,
             )

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from functools import cached_property
 
+from grainfit.bulk_tests.heap import messages
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import (
     Filling,
@@ -97,36 +98,30 @@ class HeapSetup(Setup):
 
     def _geometry_faults(self) -> Iterator[Fault]:
         if self.plate_radius <= self.cylinder_radius:
-            yield Fault(
-                "plate_radius",
-                f"a plate of {self.plate_radius:g} m radius does not carry a cylinder of "
-                f"{self.cylinder_radius:g} m radius.",
-                "Make the plate wider or the cylinder narrower.",
+            yield messages.PLATE_IS_NARROW.fault(
+                "plate_radius", plate_radius=self.plate_radius, cylinder_radius=self.cylinder_radius
             )
         if self.bulk_density_top - self.bulk_density_bottom < self.largest:
-            yield Fault(
+            yield messages.NOTHING_TO_MEASURE.fault(
                 "bulk_density_top",
-                f"between {self.bulk_density_bottom:g} m and {self.bulk_density_top:g} m there is "
-                "less than one particle diameter to measure the bulk density in.",
+                bulk_density_bottom=self.bulk_density_bottom,
+                bulk_density_top=self.bulk_density_top,
             )
         if self.bulk_density_top > self.strike_off_height:
-            yield Fault(
+            yield messages.MEASURED_ABOVE_BED.fault(
                 "bulk_density_top",
-                f"{self.bulk_density_top:g} m is above the strike-off height "
-                f"{self.strike_off_height:g} m.",
-                "Measure lower or strike off higher.",
+                bulk_density_top=self.bulk_density_top,
+                strike_off_height=self.strike_off_height,
             )
         if self.rim_height >= self.strike_off_height:
-            yield Fault(
-                "rim_height",
-                f"{self.rim_height:g} m is not below the strike-off height "
-                f"{self.strike_off_height:g} m.",
+            yield messages.RIM_ABOVE_BED.fault(
+                "rim_height", rim_height=self.rim_height, strike_off_height=self.strike_off_height
             )
         if self.lift_height < self.strike_off_height / 4:
-            yield Fault(
+            yield messages.LIFT_IS_SHORT.fault(
                 "lift_height",
-                f"{self.lift_height:g} m leaves the cylinder in the heap.",
-                f"Use about the strike-off height, {self.strike_off_height:g} m.",
+                lift_height=self.lift_height,
+                strike_off_height=self.strike_off_height,
             )
         yield from strike_off_faults(
             self.sizes, self.cylinder_radius, self.strike_off_height, self.particle_count

@@ -17,6 +17,7 @@ from grainfit.bulk_tests.base import (
     ResponseInfo,
     read_sizes,
 )
+from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.user_function import call
@@ -334,7 +335,9 @@ class OwnScene(BulkTest):
             try:
                 self._set(_planned=(dict(material), self.scene(material, 1)))
             except RunFailedError as error:
-                raise InputError(Fault("scene", f"{error.reason.rstrip('.')}.")) from error
+                raise InputError(
+                    messages.NO_SCENE.fault("scene", reason=error.reason.rstrip("."))
+                ) from error
         assert self._planned is not None
         return self._planned[1]
 

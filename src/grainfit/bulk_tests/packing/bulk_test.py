@@ -9,6 +9,7 @@ from typing import ClassVar
 
 from grainfit.bulk_tests.base import BulkTest, Parts, ResponseInfo
 from grainfit.bulk_tests.setup import Setup
+from grainfit.bulk_tests.shared import messages
 from grainfit.bulk_tests.shared.filling import (
     Filling,
     count_faults,
@@ -71,18 +72,15 @@ class PackingSetup(Setup):
     def _height_faults(self) -> Iterator[Fault]:
         bottom, top, height = self.bulk_density_bottom, self.bulk_density_top, self.fill_height
         if top - bottom < self.largest:
-            yield Fault(
+            yield messages.BETWEEN_HEIGHTS.fault(
                 # A default top is this low only in a bed that is too low.
                 "bulk_density_top" if self.is_given("bulk_density_top") else "fill_height",
-                f"between {bottom:g} m and {top:g} m there is less than one particle diameter to "
-                "measure the bulk density in.",
-                "Measure higher, or use a larger fill_height.",
+                bottom=bottom,
+                top=top,
             )
         if top > (1 + _SLACK) * _REACHED * height:
-            yield Fault(
-                "bulk_density_top",
-                f"{top:g} m is higher than a bed of {height:g} m settles.",
-                f"Measure up to {_REACHED * height:g} m at most, or use a larger fill_height.",
+            yield messages.ABOVE_SETTLED_BED.fault(
+                "bulk_density_top", top=top, height=height, highest=_REACHED * height
             )
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared import messages
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import AtRest
@@ -142,11 +143,12 @@ def cylinder_faults(sizes: ParticleSizes, radius: float) -> Iterator[Fault]:
     """Iterate over what is impossible about the option ``cylinder_radius``, m."""
     largest = max(sizes.diameters)
     if 2 * radius < _NARROWEST_CYLINDER * largest:
-        yield Fault(
+        yield messages.CYLINDER_IS_NARROW.fault(
             "cylinder_radius",
-            f"a cylinder of {radius:g} m radius is narrower than {_NARROWEST_CYLINDER:g} of the "
-            f"largest particles ({largest:g} m).",
-            f"Use a radius of at least {least_radius(sizes):g} m.",
+            radius=radius,
+            fewest=_NARROWEST_CYLINDER,
+            largest=largest,
+            least=least_radius(sizes),
         )
 
 
@@ -173,10 +175,11 @@ def count_faults(
         return
     longest = max(lengths, key=lambda name: lengths[name])
     container = ", ".join(f"{name} {value:g} m" for name, value in lengths.items())
-    yield Fault(
+    yield messages.TOO_MANY_PARTICLES.fault(
         "particle_count" if count_is_given else longest,
-        f"{count} particles are more than {MOST_PARTICLES} ({container}).",
-        "Use a smaller container or larger particles.",
+        count=count,
+        most=MOST_PARTICLES,
+        container=container,
     )
 
 
@@ -196,9 +199,6 @@ def strike_off_faults(
     """
     needed = particles_to_fill(sizes, radius, strike_off)
     if count < _FEWEST * needed:
-        yield Fault(
-            "particle_count",
-            f"{count} particles do not fill the cylinder up to the strike-off height "
-            f"{strike_off:g} m.",
-            f"Use {needed} (the default) or a lower strike-off height.",
+        yield messages.NOT_FILLED.fault(
+            "particle_count", count=count, strike_off=strike_off, needed=needed
         )

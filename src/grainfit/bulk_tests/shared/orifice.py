@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared import messages
 from grainfit.errors import Fault
 from grainfit.formatting import millimetres, number
 from grainfit.materials.sizes import ParticleSizes
@@ -38,11 +39,13 @@ class Orifice:
         largest = max(sizes.diameters)
         if self.width > largest:
             return
-        yield Fault(
+        yield messages.NO_PARTICLE_PASSES.fault(
             self.option,
-            f"no particle of {largest:g} m passes {self.words} of {self.width:g} m.",
-            f"Arches may block {self.words} of less than {ARCHES:g} diameters "
-            f"({ARCHES * largest:g} m).",
+            largest=largest,
+            opening=self.words,
+            width=self.width,
+            arches=ARCHES,
+            least=ARCHES * largest,
         )
 
     def coarse_graining_faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
@@ -57,12 +60,15 @@ class Orifice:
         # Rounded down: the factor that is named must be accepted.
         factor = math.floor(100 * self._diameters(sizes.real) / ARCHES * (1 + _ROUNDING)) / 100
         use = f"Use particle.coarse_graining = {factor:g} at most"
-        yield Fault(
+        yield messages.ENLARGED_PARTICLES_ARCH.fault(
             self.option,
-            f"{self.words} of {self.width:g} m is {number(self._diameters(sizes), 3)} times as "
-            f"wide as the largest simulated particles ({largest:.4g} m): they arch below "
-            f"{ARCHES:g}.",
-            f"{use if factor > 1 else 'Leave particle.coarse_graining out'}, or {least}.",
+            opening=self.words,
+            width=self.width,
+            times=number(self._diameters(sizes), 3),
+            largest=largest,
+            arches=ARCHES,
+            way_out=use if factor > 1 else "Leave particle.coarse_graining out",
+            least=least,
         )
 
     def notes(self, sizes: ParticleSizes) -> Iterator[str]:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from grainfit.bulk_tests.shared import messages
 from grainfit.bulk_tests.shared.orifice import ARCHES, Orifice
 from grainfit.bulk_tests.view import Outline
 from grainfit.errors import Fault
@@ -146,19 +147,17 @@ class SlotBox:
         """Iterate over what is impossible about the box."""
         largest = max(sizes.diameters)
         if self.slot_width >= self.width:
-            yield Fault(
-                "slot_width",
-                f"a slot of {self.slot_width:g} m is not narrower than the box of "
-                f"{self.width:g} m.",
-                "Make the slot narrower or the box wider.",
+            yield messages.SLOT_IS_WIDE.fault(
+                "slot_width", slot_width=self.slot_width, width=self.width
             )
         yield from self.orifice.passing_faults(sizes)
         if self.depth < _SHORTEST_PERIOD * largest:
-            yield Fault(
+            yield messages.BOX_IS_SHORT.fault(
                 "depth",
-                f"a depth of {self.depth:g} m repeats after less than {_SHORTEST_PERIOD:g} of the "
-                f"largest particles ({largest:g} m).",
-                f"Use at least {_SHORTEST_PERIOD * largest:g} m.",
+                depth=self.depth,
+                fewest=_SHORTEST_PERIOD,
+                largest=largest,
+                least=_SHORTEST_PERIOD * largest,
             )
         yield from container_faults(sizes, self.width, self.fill_height)
 
@@ -190,16 +189,14 @@ def container_faults(sizes: ParticleSizes, width: float, fill_height: float) -> 
     """
     largest = max(sizes.diameters)
     if width < _NARROWEST * largest:
-        yield Fault(
-            "width",
-            f"{width:g} m is narrower than {_NARROWEST:g} of the largest particles "
-            f"({largest:g} m).",
-            f"Use at least {_NARROWEST * largest:g} m.",
+        yield messages.CONTAINER_IS_NARROW.fault(
+            "width", width=width, fewest=_NARROWEST, largest=largest, least=_NARROWEST * largest
         )
     if fill_height < _LOWEST_BED * largest:
-        yield Fault(
+        yield messages.BED_IS_LOW.fault(
             "fill_height",
-            f"a bed of {fill_height:g} m is lower than {_LOWEST_BED:g} of the largest particles "
-            f"({largest:g} m): its bulk density cannot be measured.",
-            f"Use at least {_LOWEST_BED * largest:g} m.",
+            fill_height=fill_height,
+            fewest=_LOWEST_BED,
+            largest=largest,
+            least=_LOWEST_BED * largest,
         )

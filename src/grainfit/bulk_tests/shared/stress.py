@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from grainfit.bulk_tests.shared import messages
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 
@@ -49,10 +50,13 @@ def softness_faults(
     """
     modulus = material.get("particle.youngs_modulus")
     if modulus is not None and modulus < (1 - 1e-9) * smallest * stress:
-        yield Fault(
+        yield messages.TOO_SOFT.fault(
             key,
-            f"{stress:g} Pa is too much for a Young's modulus of {modulus:g} Pa: E / stress is "
-            f"{modulus / stress:.3g}, and below {smallest:g} overlaps of the particles {otherwise}",
-            f"Use a Young's modulus of at least {smallest * stress:g} Pa, or a stress of at most "
-            f"{modulus / smallest:g} Pa.",
+            stress=stress,
+            modulus=modulus,
+            ratio=modulus / stress,
+            smallest=smallest,
+            otherwise=otherwise,
+            least=smallest * stress,
+            most=modulus / smallest,
         )

@@ -8,6 +8,7 @@ from functools import cached_property
 
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
+from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.plates import PlateLayout, plate_layout
 from grainfit.errors import Fault
 from grainfit.scenes.packing import MOST_PARTICLES, mean_particle_volume
@@ -129,18 +130,21 @@ class ShearSetup(Setup):
         for name, fewest in _SMALLEST.items():
             value = self.option(name)
             if value < (1 - 1e-9) * fewest * self.largest:
-                yield Fault(
+                yield messages.LENGTH_IS_SHORT.fault(
                     name,
-                    f"{value:g} m is less than {fewest:g} of the largest particles "
-                    f"({self.largest:g} m).",
-                    f"Use at least {fewest * self.largest:g} m.",
+                    value=value,
+                    fewest=fewest,
+                    largest=self.largest,
+                    least=fewest * self.largest,
                 )
 
     def _count_faults(self) -> Iterator[Fault]:
         if self._count > MOST_PARTICLES:
-            yield Fault(
+            yield messages.TOO_MANY_PARTICLES.fault(
                 "gap",
-                f"between plates of {self.length:g} m x {self.depth:g} m, {self.gap:g} m apart, "
-                f"are {self._count:.3g} particles; at most {MOST_PARTICLES:g} are allowed.",
-                "Use smaller lengths, or larger particles.",
+                length=self.length,
+                depth=self.depth,
+                gap=self.gap,
+                count=self._count,
+                most=MOST_PARTICLES,
             )

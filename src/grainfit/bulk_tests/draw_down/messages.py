@@ -1,0 +1,15 @@
+"""Messages to users about the options of a draw-down."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+NO_ROOM_FOR_HEAP = Message(
+    "a floor {distance:g} m below the shelf leaves no room for a heap whose apex is "
+    "{clearance:g} diameters below it.",
+    "Use at least {needed:g} m; 14 diameters are enough for most materials.",
+)
+FLOOR_IS_NARROW = Message(
+    "a floor of half width {floor_half_width:g} m is not wider than the box of {width:g} m.",
+    "Use at least {least:g} m.",
+)

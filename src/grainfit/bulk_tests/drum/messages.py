@@ -1,0 +1,29 @@
+"""Messages to users about the options of a rotating drum."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+DRUM_IS_NARROW = Message(
+    "a drum of {drum_radius:g} m radius is narrower than {fewest:g} of the largest "
+    "particles ({largest:g} m).",
+    "Use at least {least:g} m.",
+)
+DRUM_IS_SHORT = Message(
+    "a length of {drum_length:g} m repeats after less than {fewest:g} of the largest "
+    "particles ({largest:g} m).",
+    "Use at least {length:g} m.",
+)
+SPEED_GIVEN_TWICE = Message(
+    "{froude_number:g} is given beside the rotational_speed {rotational_speed:g} rad/s.",
+    "Give one of them.",
+)
+TOO_FAST = Message(
+    "{rotational_speed:g} rad/s is a Froude number of {froude:.3g}: above 1 the "
+    "particles are carried all the way round.",
+    "Use less than {slowest:g} rad/s; the default is a Froude number of {usual:g}.",
+)
+NO_ROOM = Message(
+    "{fill_level:g} leaves no room to place {particle_count} particles at random.",
+    "Use at most {highest:g}, or a larger drum.",
+)

@@ -1,0 +1,14 @@
+"""Messages to users about the particles and definition of a bulk test."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+NO_SIZES = Message(
+    "is {sizes!r}.",
+    'Give diameter="10 mm", or a ParticleSizes.',
+)
+DAMAGED_DEFINITION = Message(
+    "does not define a {type} test: {reason}.",
+    "It was edited, or written by another version of grainfit.",
+)

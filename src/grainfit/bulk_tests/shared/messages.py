@@ -1,0 +1,60 @@
+"""Messages to users about the containers of bulk tests."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+BETWEEN_HEIGHTS = Message(
+    "between {bottom:g} m and {top:g} m there is less than one particle diameter to "
+    "measure the bulk density in.",
+    "Measure higher, or use a larger fill_height.",
+)
+ABOVE_SETTLED_BED = Message(
+    "{top:g} m is higher than a bed of {height:g} m settles.",
+    "Measure up to {highest:g} m at most, or use a larger fill_height.",
+)
+CYLINDER_IS_NARROW = Message(
+    "a cylinder of {radius:g} m radius is narrower than {fewest:g} of the largest "
+    "particles ({largest:g} m).",
+    "Use a radius of at least {least:g} m.",
+)
+TOO_MANY_PARTICLES = Message(
+    "{count} particles are more than {most} ({container}).",
+    "Use a smaller container or larger particles.",
+)
+NOT_FILLED = Message(
+    "{count} particles do not fill the cylinder up to the strike-off height {strike_off:g} m.",
+    "Use {needed} (the default) or a lower strike-off height.",
+)
+NO_PARTICLE_PASSES = Message(
+    "no particle of {largest:g} m passes {opening} of {width:g} m.",
+    "Arches may block {opening} of less than {arches:g} diameters ({least:g} m).",
+)
+ENLARGED_PARTICLES_ARCH = Message(
+    "{opening} of {width:g} m is {times} times as wide as the largest simulated "
+    "particles ({largest:.4g} m): they arch below {arches:g}.",
+    "{way_out}, or {least}.",
+)
+SLOT_IS_WIDE = Message(
+    "a slot of {slot_width:g} m is not narrower than the box of {width:g} m.",
+    "Make the slot narrower or the box wider.",
+)
+BOX_IS_SHORT = Message(
+    "a depth of {depth:g} m repeats after less than {fewest:g} of the largest particles "
+    "({largest:g} m).",
+    "Use at least {least:g} m.",
+)
+CONTAINER_IS_NARROW = Message(
+    "{width:g} m is narrower than {fewest:g} of the largest particles ({largest:g} m).",
+    "Use at least {least:g} m.",
+)
+BED_IS_LOW = Message(
+    "a bed of {fill_height:g} m is lower than {fewest:g} of the largest particles "
+    "({largest:g} m): its bulk density cannot be measured.",
+    "Use at least {least:g} m.",
+)
+TOO_SOFT = Message(
+    "{stress:g} Pa is too much for a Young's modulus of {modulus:g} Pa: E / stress is "
+    "{ratio:.3g}, and below {smallest:g} overlaps of the particles {otherwise}",
+    "Use a Young's modulus of at least {least:g} Pa, or a stress of at most {most:g} Pa.",
+)

@@ -1,0 +1,15 @@
+"""Messages to users about the options of a shear test."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+LENGTH_IS_SHORT = Message(
+    "{value:g} m is less than {fewest:g} of the largest particles ({largest:g} m).",
+    "Use at least {least:g} m.",
+)
+TOO_MANY_PARTICLES = Message(
+    "between plates of {length:g} m x {depth:g} m, {gap:g} m apart, are {count:.3g} "
+    "particles; at most {most:g} are allowed.",
+    "Use smaller lengths, or larger particles.",
+)
