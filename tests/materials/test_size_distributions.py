@@ -140,7 +140,7 @@ def test_the_surface_of_a_wide_rosin_rammler_distribution_is_infinite() -> None:
     ("make", "key", "words"),
     [
         (lambda: LogNormal(median="3 mm"), "", "has median"),
-        (lambda: LogNormal(), "", "is empty"),
+        (lambda: LogNormal(), "", "has nothing"),
         (
             lambda: LogNormal(median="3 mm", geometric_standard_deviation=1.4, d10="1 mm"),
             "",

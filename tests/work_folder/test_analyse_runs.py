@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.cli.app import app
+from grainfit.work_folder import messages
 
 MODEL = "def shear(parameters, seed):\n    raise RuntimeError('it was simulated')\n"
 FILE = """\
@@ -266,9 +267,9 @@ def test_too_few_runs_are_told_and_no_runs_refused(file: Path) -> None:
     found = gf.analyse_runs("shear.toml", "runs.csv")
     assert found.analysis.posterior is None
     assert "are needed" in str(found)
-    with pytest.raises(gf.InputError, match="runs: are not given"):
+    with pytest.raises(gf.InputError, match=messages.NO_TABLES.pattern):
         gf.analyse_runs("shear.toml", [])
     gf.repeat_runs("shear.toml", repeat=1, workdir="other")
     (file.parent / "model.py").write_text(f"# Another model.\n{MODEL}")
-    with pytest.raises(gf.InputError, match="has no run of it"):
+    with pytest.raises(gf.InputError, match=messages.NO_RUN_OF_THE_FILE.pattern):
         gf.analyse_runs("shear.toml", "other")

@@ -11,6 +11,7 @@ import grainfit as gf
 from grainfit.cli.app import app
 from grainfit.errors import InputError
 from grainfit.tables import TextTable
+from grainfit.work_folder import messages
 from grainfit.work_folder.comparison import compare
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -53,11 +54,11 @@ def test_comparison_of_one_material_agrees_and_of_two_differs(
 def test_comparison_says_that_a_calibration_has_no_answer_yet(
     three: list[SavedCalibration],
 ) -> None:
-    with pytest.raises(InputError, match="Name two or more"):
+    with pytest.raises(InputError, match=messages.ONE_CALIBRATION.pattern):
         compare(three[:1])
     (three[0].folder / "result.json").rename(three[0].folder / "kept.json")
     try:
-        with pytest.raises(InputError, match="has no answer yet"):
+        with pytest.raises(InputError, match=messages.NO_ANSWER_TO_COMPARE.pattern):
             compare([SavedCalibration.open(three[0].folder), three[1]])
     finally:
         (three[0].folder / "kept.json").rename(three[0].folder / "result.json")

@@ -14,6 +14,7 @@ from grainfit.campaign.store.store import RunRecord
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.run_definition import RunDefinition
+from grainfit.work_folder import messages
 from grainfit.work_folder.remeasure import measure_path
 
 EMPTY_DUMP = """ITEM: TIMESTEP
@@ -71,7 +72,7 @@ def test_an_impossible_definition_is_said(tmp_path: Path, key: str, value: Any) 
 
 def test_a_run_of_an_own_model_is_said(tmp_path: Path) -> None:
     write_record(tmp_path, None)
-    with pytest.raises(InputError, match="your own model"):
+    with pytest.raises(InputError, match=messages.RUN_OF_OWN_MODEL.pattern):
         measure_path(tmp_path)
 
 

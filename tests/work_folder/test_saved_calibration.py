@@ -14,6 +14,7 @@ import grainfit
 from grainfit.calibration.provenance import Provenance
 from grainfit.errors import StoreError
 from grainfit.solvers.own_model.command import Command
+from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 PROBLEM = grainfit.Problem(
@@ -96,11 +97,11 @@ def test_folders_without_a_calibration_are_named(tmp_path: Path) -> None:
     grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
     with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
         connection.execute("UPDATE calibrations SET definition = '{}'")
-    with pytest.raises(StoreError, match="another version of grainfit, or edited"):
+    with pytest.raises(StoreError, match=messages.UNREADABLE.pattern):
         SavedCalibration.open(tmp_path)
     with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
         connection.execute("DELETE FROM calibrations")
-    with pytest.raises(StoreError, match="nothing has been calibrated"):
+    with pytest.raises(StoreError, match=messages.NOTHING_CALIBRATED.pattern):
         SavedCalibration.open(tmp_path)
 
 

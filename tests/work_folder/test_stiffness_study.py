@@ -16,6 +16,7 @@ from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
 from grainfit.campaign.store.records import RunRecord
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS
+from grainfit.work_folder import messages
 from grainfit.work_folder.solvers_of_runs import solver_of_run
 
 MODEL = """\
@@ -224,15 +225,15 @@ def test_ctrl_c_is_answered_with_what_is_kept(sand: Path, monkeypatch: pytest.Mo
 def test_a_material_without_a_modulus_has_no_stiffness(sand: Path) -> None:
     text = FILE.replace("[particle]\n", "").replace('youngs_modulus = "1 MPa"\n', "")
     (sand / "sand.toml").write_text(text)
-    with pytest.raises(gf.InputError, match=r"particle\.youngs_modulus.*no value"):
+    with pytest.raises(gf.InputError, match=messages.NO_MODULUS.pattern):
         gf.stiffness_study("sand.toml")
 
 
 def test_the_answer_of_a_model_of_the_user_needs_its_file(sand: Path) -> None:
     gf.load("sand.toml").calibrate(max_runs=14)
-    with pytest.raises(gf.InputError, match="Give the calibration file"):
+    with pytest.raises(gf.InputError, match=messages.OWN_MODEL_NOT_IN_RUNS.pattern):
         gf.stiffness_study(sand / "sand.grainfit")
-    with pytest.raises(gf.InputError, match="does not go with the answer"):
+    with pytest.raises(gf.InputError, match=messages.SET_BESIDE_ANSWER.pattern):
         gf.stiffness_study(sand / "sand.grainfit", settings=["friction=1"])
 
 

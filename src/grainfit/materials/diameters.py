@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grainfit.errors import InputError
+from grainfit.materials import messages
 from grainfit.materials.sieve_file import opening_column, read_sieve_curve
 from grainfit.materials.size_classes import Truncation, divide
 from grainfit.materials.size_distributions import (
@@ -56,11 +57,9 @@ class Diameters(Kind):
         diameters = tuple(c["value"] for c in classes)
         fractions = tuple(c["mass_fraction"] for c in classes)
         if len(set(diameters)) < len(diameters):
-            place.fault("has the same diameter twice.", "Add up their mass fractions.")
+            place.refuse(messages.SAME_DIAMETER.fault(""))
         elif abs(sum(fractions) - 1) > 1e-6:
-            place.fault(
-                f"mass fractions sum to {sum(fractions):.6g}.", "They must sum to 1 (or 100 %)."
-            )
+            place.refuse(messages.SUM_OF_FRACTIONS.fault("", sum=sum(fractions)))
         else:
             return ParticleSizes(diameters, fractions)
         return None
@@ -91,7 +90,7 @@ def _note_all(error: InputError, place: Place, otherwise: Place) -> None:
     """Note faults at their keys below a place; those without a key elsewhere."""
     for fault in error.faults:
         at = place.at(fault.key) if fault.key else otherwise
-        at.fault(fault.message, fault.remedy)
+        at.refuse(fault)
 
 
 def _made_by(distribution: type[SizeDistribution]) -> Finish:
@@ -110,11 +109,11 @@ def _made_by(distribution: type[SizeDistribution]) -> Finish:
 def _divided(values: Values, place: Place) -> ParticleSizes | None:
     given = [name for name in _DISTRIBUTIONS if name in values]
     if len(given) != 1:
-        place.fault(f"has {' and '.join(given)}.", "Keep one of them.")
+        place.refuse(messages.SEVERAL_DISTRIBUTIONS.fault("", given=" and ".join(given)))
         return None
     [name] = given
     if "opening_unit" in values and name != SieveCurve.key:
-        place.at("opening_unit").fault("is given without sieve_curve.", "Remove it.")
+        place.at("opening_unit").refuse(messages.UNIT_WITHOUT_CURVE.fault(""))
         return None
     if None in values.values():
         return None

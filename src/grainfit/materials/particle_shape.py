@@ -17,6 +17,7 @@ from itertools import permutations
 from typing import TYPE_CHECKING
 
 from grainfit.errors import Fault, InputError
+from grainfit.materials import messages
 
 if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
@@ -146,15 +147,18 @@ class ParticleShape:
 
     def _faults(self) -> list[Fault]:
         if bool(self.family) == bool(self.spheres):
-            return [Fault("particle.shape", "is neither a family nor spheres.", _FAMILIES_REMEDY)]
+            return [messages.NO_SHAPE.fault("particle.shape", families=", ".join(FAMILIES))]
         if self.spheres:
             return _sphere_faults(self.spheres)
         if self.family not in FAMILIES:
-            return [Fault("particle.shape", f"{self.family!r} is no family.", _FAMILIES_REMEDY)]
+            names = ", ".join(FAMILIES)
+            return [messages.NO_FAMILY.fault("particle.shape", family=self.family, families=names)]
         largest, ratio = FAMILIES[self.family].largest, self.aspect_ratio
         if ratio is not None and not 1 <= ratio <= largest:
-            remedy = f"Use 1 (a sphere) to {largest:g}."
-            return [Fault(ASPECT_RATIO, f"is {ratio:g} for {self.family}.", remedy)]
+            fault = messages.ASPECT_RATIO_OF_FAMILY.fault(
+                ASPECT_RATIO, ratio=ratio, family=self.family, largest=largest
+            )
+            return [fault]
         return []
 
     @property
@@ -205,8 +209,8 @@ def aspect_ratio_faults(shape: ParticleShape | None, aspect_ratio: float) -> lis
         return []
     if shape is None or not shape.has_aspect_ratio:
         what = "spheres" if shape is None else "spheres of your own"
-        remedy = f'Leave it out, or give a family: particle.shape = "{next(iter(FAMILIES))}".'
-        return [Fault(ASPECT_RATIO, f"has no effect on particles that are {what}.", remedy)]
+        family = next(iter(FAMILIES))
+        return [messages.NO_ASPECT_RATIO.fault(ASPECT_RATIO, what=what, family=family)]
     try:
         shape.with_aspect_ratio(aspect_ratio)
     except InputError as error:
@@ -214,26 +218,19 @@ def aspect_ratio_faults(shape: ParticleShape | None, aspect_ratio: float) -> lis
     return []
 
 
-_FAMILIES_REMEDY = (
-    f"Use {', '.join(FAMILIES)}, or {{ spheres = [{{ position = [0, 0, 0], radius = 1 }}, ...] }}."
-)
-
-
 def _sphere_faults(spheres: tuple[Sphere, ...]) -> list[Fault]:
     key = "particle.shape.spheres"
     if not 2 <= len(spheres) <= _MOST_SPHERES:
-        remedy = f"Use 2 to {_MOST_SPHERES}; a sphere needs no shape."
-        return [Fault(key, f"has {len(spheres)} spheres.", remedy)]
+        return [messages.NUMBER_OF_SPHERES.fault(key, count=len(spheres), most=_MOST_SPHERES)]
     radii = [radius for *_, radius in spheres]
     if not all(math.isfinite(value) for sphere in spheres for value in sphere) or min(radii) <= 0:
-        return [Fault(key, "has places or radii that are impossible.", "Radii are above 0.")]
+        return [messages.IMPOSSIBLE_SPHERE.fault(key)]
     if min(radii) < _SMALLEST * max(radii):
-        return [Fault(key, f"has a sphere below {_SMALLEST:g} of the largest.", "Leave it out.")]
+        return [messages.SPHERE_TOO_SMALL.fault(key, smallest=_SMALLEST)]
     for (n, one), (m, other) in permutations(enumerate(spheres, 1), 2):
         # Of two equal ones, the later.
         if _is_inside(one, other) and (n > m or not _is_inside(other, one)):
-            message = f"has sphere {n} inside sphere {m}: it never touches anything."
-            return [Fault(key, message, "Leave it out.")]
+            return [messages.SPHERE_INSIDE.fault(key, inner=n, outer=m)]
     apart = set(range(1, len(spheres)))
     reached = [0]
     while reached:
@@ -242,8 +239,7 @@ def _sphere_faults(spheres: tuple[Sphere, ...]) -> list[Fault]:
         apart -= near
         reached += near
     if apart:
-        message = f"is no body: sphere {min(apart) + 1} is apart from the first."
-        return [Fault(key, message, "Let them overlap, or touch.")]
+        return [messages.SPHERE_APART.fault(key, number=min(apart) + 1)]
     return []
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grainfit.errors import InputError
+from grainfit.materials import messages
 from grainfit.materials.particle_shape import FAMILIES, ParticleShape
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema
 from grainfit.options.places import Place
@@ -53,10 +54,8 @@ class Shapes(Kind):
         spheres = []
         for number, entry in enumerate(entries):
             if len(entry["position"]) != 3:
-                given = len(entry["position"])
-                place.at("spheres", number, "position").fault(
-                    f"has {given} numbers.", "Write three: x, y and z."
-                )
+                fault = messages.NO_POSITION.fault("", count=len(entry["position"]))
+                place.at("spheres", number, "position").refuse(fault)
                 return None
             x, y, z = entry["position"]
             spheres.append((x, y, z, entry["radius"]))
@@ -64,7 +63,7 @@ class Shapes(Kind):
             return ParticleShape(spheres=tuple(spheres))
         except InputError as error:
             for fault in error.faults:
-                place.at("spheres").fault(fault.message, fault.remedy)
+                place.at("spheres").refuse(fault)
             return None
 
     def schema(self) -> Schema:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from grainfit.errors import InputError
@@ -11,7 +12,7 @@ from grainfit.materials import messages
 from grainfit.materials.size_distributions import SieveCurve, point_faults
 from grainfit.options.kinds import Quantity
 from grainfit.options.places import Findings, Place, show
-from grainfit.table_files.curve_points import read_points
+from grainfit.table_files.curve_points import note_at, read_points
 from grainfit.table_files.headings import Heading
 from grainfit.table_files.reading import Wanted
 from grainfit.units import UnitError, to_unit
@@ -80,8 +81,8 @@ def read_sieve_curve(path: Path, openings: Wanted, place: Place) -> SieveCurve |
     if points is None:
         return None
     faults = [*point_faults(points.coordinates, points.values)]
-    for position, message, remedy in faults:
-        place.fault(f"{path.name}, line {points.lines[position]} {message}", remedy)
+    at_lines = [replace(fault, key=f"line {points.lines[at]}") for at, fault in faults]
+    note_at(place, path, at_lines)
     return None if faults else SieveCurve(points.coordinates, points.values)
 
 

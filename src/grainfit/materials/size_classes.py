@@ -15,6 +15,7 @@ from itertools import pairwise
 
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import counted, in_a_row, millimetres, percent
+from grainfit.materials import messages
 from grainfit.materials.size_distributions import (
     DIAMETER,
     ROUNDING,
@@ -67,8 +68,8 @@ class Truncation:
         resolve_options(self)
         low, high = self.limits
         if low >= high:
-            words = f"{millimetres(low)} is not below largest, {millimetres(high)}."
-            raise InputError(Fault("smallest", words, "Swap them, or leave one out."))
+            ends = {"low": millimetres(low), "high": millimetres(high)}
+            raise InputError(messages.LIMITS_SWAPPED.fault("smallest", **ends))
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -118,18 +119,18 @@ def divide(distribution: SizeDistribution, truncation: Truncation) -> ParticleSi
         raise InputError(faults)
     division = Division(distribution, truncation)
     if division.mass < _LEAST_LEFT:
-        left = f"{percent(division.mass)} of the mass of the {distribution}."
         key = "largest" if truncation.smallest is None else "smallest"
-        raise InputError(Fault(key, f"the limits leave {left}", "Leave 1 % at least."))
+        left = percent(division.mass)
+        raise InputError(messages.NOTHING_LEFT.fault(key, left=left, distribution=distribution))
     share = division.mass / truncation.classes
     # 0 where the surface of the finest class is infinite.
     diameters = [share / distribution.moment(-1, *ends) for ends in pairwise(division.edges())]
     for key, diameter in (("smallest", diameters[0]), ("largest", diameters[-1])):
         if not SMALLEST_DIAMETER <= diameter <= LARGEST_DIAMETER:
-            words = f"a class of the {distribution} would have a diameter of {diameter:.3g} m."
+            end = {"distribution": distribution, "end": _FAR_ENDS[key], "key": key}
             if diameter == 0:
-                words = f"the surface of the {distribution} is infinite."
-            raise InputError(Fault(key, words, f"Leave the {_FAR_ENDS[key]} out: {key} = ..."))
+                raise InputError(messages.INFINITE_SURFACE.fault(key, **end))
+            raise InputError(messages.IMPOSSIBLE_CLASS.fault(key, diameter=diameter, **end))
     fractions = (1 / len(diameters),) * len(diameters)
     return ParticleSizes(tuple(diameters), fractions, origin=division)
 
@@ -139,20 +140,12 @@ def _open_ends(distribution: SizeDistribution, truncation: Truncation) -> Iterat
     (low, high), (finest, coarsest) = truncation.limits, distribution.known_between
     finer, coarser = distribution.passing(finest), 1 - distribution.passing(coarsest)
     if finer > ROUNDING and low < finest:
-        yield Fault(
-            "",
-            f"{percent(finer)} of the mass pass the finest sieve, {millimetres(finest)}, and "
-            "nothing says how fine they are.",
-            "Add the size of the finest particles, which 0 % pass, or leave them out: "
-            f'smallest = "{1000 * finest:.9g} mm".',
+        yield messages.OPEN_FINE_END.fault(
+            "", share=percent(finer), opening=millimetres(finest), limit=1000 * finest
         )
     if coarser > ROUNDING and high > coarsest:
-        yield Fault(
-            "",
-            f"only {percent(1 - coarser)} of the mass pass the coarsest sieve, "
-            f"{millimetres(coarsest)}.",
-            "Give percentages, and add the size of the coarsest particles, which 100 % pass; or "
-            f'leave them out: largest = "{1000 * coarsest:.9g} mm".',
+        yield messages.OPEN_COARSE_END.fault(
+            "", share=percent(1 - coarser), opening=millimetres(coarsest), limit=1000 * coarsest
         )
 
 

@@ -17,13 +17,14 @@ import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from statistics import NormalDist
 from typing import Any, ClassVar
 
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import millimetres, percent
+from grainfit.materials import messages
 from grainfit.materials.sizes import LARGEST_DIAMETER, SMALLEST_DIAMETER
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
@@ -112,15 +113,14 @@ class LogNormal(SizeDistribution):
         resolve_options(self)
         given = {key.name for key in option_keys(LogNormal) if getattr(self, key.name) is not None}
         if given not in ({"median", "geometric_standard_deviation"}, {"d10", "d90"}):
-            words = f"has {', '.join(sorted(given))}." if given else "is empty."
-            remedy = "Give median and geometric_standard_deviation, or d10 and d90."
-            raise InputError(Fault("", words, remedy))
+            there = ", ".join(sorted(given)) or "nothing"
+            raise InputError(messages.NO_LOG_NORMAL.fault("", given=there))
         centre, spread = self.median, self.geometric_standard_deviation
         if centre is None or spread is None:
             d10, d90 = float(self.d10 or 0), float(self.d90 or 0)
             if 1.001 * d10 >= d90:
-                words = f"{millimetres(d10)} is not below d90, {millimetres(d90)}."
-                raise InputError(Fault("d10", words, "Swap them."))
+                low, high = millimetres(d10), millimetres(d90)
+                raise InputError(messages.PERCENTILES_SWAPPED.fault("d10", low=low, high=high))
             centre, spread = math.sqrt(d10 * d90), (d90 / d10) ** (1 / (2 * _Z90))
         object.__setattr__(self, "centre", float(centre))
         object.__setattr__(self, "spread", math.log(spread))
@@ -182,7 +182,7 @@ class RosinRammler(SizeDistribution):
     def __post_init__(self) -> None:
         resolve_options(self)
         faults = [
-            Fault(key.name, "is missing.", f"Add it, for example: {key.name} = {key.example}")
+            messages.MISSING.fault(key.name, name=key.name, example=key.example)
             for key in option_keys(RosinRammler)
             if getattr(self, key.name) is None
         ]
@@ -247,13 +247,10 @@ class SieveCurve(SizeDistribution):
     def __post_init__(self) -> None:
         object.__setattr__(self, "openings", tuple(map(float, self.openings)))
         object.__setattr__(self, "passing_shares", tuple(map(float, self.passing_shares)))
-        faults = [Fault(f"point {i + 1}", *words) for i, *words in self.point_faults()]
+        found = point_faults(self.openings, self.passing_shares)
+        faults = [replace(fault, key=f"point {i + 1}") for i, fault in found]
         if faults:
             raise InputError(faults)
-
-    def point_faults(self) -> Iterator[tuple[int, str, str]]:
-        """Yield position, message and remedy of each point that is impossible."""
-        return point_faults(self.openings, self.passing_shares)
 
     @property
     def known_between(self) -> tuple[float, float]:
@@ -293,10 +290,8 @@ class SieveCurve(SizeDistribution):
         return f"sieve curve of {len(self.openings)} openings"
 
 
-def point_faults(
-    openings: Sequence[float], shares: Sequence[float]
-) -> Iterator[tuple[int, str, str]]:
-    """Yield position, message and remedy of each impossible point of a sieve curve.
+def point_faults(openings: Sequence[float], shares: Sequence[float]) -> Iterator[tuple[int, Fault]]:
+    """Yield the position and the fault of each impossible point of a sieve curve.
 
     Parameters
     ----------
@@ -304,20 +299,27 @@ def point_faults(
         Openings, m, and the shares of the mass that pass, in the order of the openings.
     """
     if len(openings) < 2 or len(openings) != len(shares):
-        yield 0, f"{len(openings)} openings and {len(shares)} shares.", "Give two sieves or more."
+        yield 0, messages.NUMBER_OF_SIEVES.fault("", openings=len(openings), shares=len(shares))
         return
     for i, opening in enumerate(openings):
         if not SMALLEST_DIAMETER <= opening <= LARGEST_DIAMETER:
-            yield i, f"has an opening of {opening:g} m.", f"Openings are {DIAMETER.limits()}."
+            limits = DIAMETER.limits()
+            yield i, messages.IMPOSSIBLE_OPENING.fault("", opening=opening, limits=limits)
         elif not -ROUNDING <= shares[i] <= 1 + ROUNDING:
-            yield i, f"has a passing of {percent(shares[i])}.", "Passing is from 0 to 100 %."
+            yield i, messages.IMPOSSIBLE_PASSING.fault("", share=percent(shares[i]))
         elif i and opening <= openings[i - 1]:
-            yield i, "does not have a larger opening than the one before.", "Sort them."
+            yield i, messages.NOT_SORTED.fault("")
         elif i and shares[i] < shares[i - 1]:
-            words = f"has a passing of {percent(shares[i])} at {millimetres(opening)}, below the "
-            words += f"{percent(shares[i - 1])} at {millimetres(openings[i - 1])}."
-            remedy = "Give the cumulative passing, not what each sieve retains."
-            yield i, words, remedy
+            yield (
+                i,
+                messages.FALLING_PASSING.fault(
+                    "",
+                    share=percent(shares[i]),
+                    opening=millimetres(opening),
+                    share_below=percent(shares[i - 1]),
+                    opening_below=millimetres(openings[i - 1]),
+                ),
+            )
 
 
 def resolve_options(given: Any) -> None:

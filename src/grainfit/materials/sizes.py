@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.formatting import millimetres, percent
+from grainfit.materials import messages
 from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
 
 if TYPE_CHECKING:
@@ -69,27 +70,20 @@ class ParticleSizes:
     def __post_init__(self) -> None:
         if not 1 <= self.coarse_graining <= LARGEST_FACTOR:
             raise InputError(
-                Fault(
-                    "particle.coarse_graining",
-                    f"is {self.coarse_graining!r}.",
-                    f"Particles may be 1 to {LARGEST_FACTOR:g} times as large as the real ones.",
+                messages.COARSE_GRAINING.fault(
+                    "particle.coarse_graining", factor=self.coarse_graining, largest=LARGEST_FACTOR
                 )
             )
         if not self.diameters or len(self.diameters) != len(self.mass_fractions):
-            raise InputError(
-                Fault("particle.diameter", "needs one mass fraction for every diameter.")
-            )
+            raise InputError(messages.NUMBER_OF_FRACTIONS.fault("particle.diameter"))
         if any(not (math.isfinite(d) and d > 0) for d in self.diameters):
-            raise InputError(Fault("particle.diameter", f"{self.diameters} must all be above 0."))
+            fault = messages.DIAMETERS_NOT_POSITIVE.fault("particle.diameter", given=self.diameters)
+            raise InputError(fault)
         if any(not (math.isfinite(f) and f > 0) for f in self.mass_fractions) or not math.isclose(
             sum(self.mass_fractions), 1.0, abs_tol=1e-6
         ):
-            raise InputError(
-                Fault(
-                    "particle.diameter",
-                    f"mass fractions {self.mass_fractions} must be above 0 and sum to 1.",
-                )
-            )
+            fault = messages.NO_MASS_FRACTIONS.fault("particle.diameter", given=self.mass_fractions)
+            raise InputError(fault)
 
     @classmethod
     def from_definition(cls, definition: Mapping[str, Any]) -> ParticleSizes:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
+from grainfit.materials import messages
 
 _FOLDER = Path(__file__).with_name("starting")
 _HEAD = ("title", "about", "example_targets", "suggested")
@@ -99,8 +100,8 @@ def read_starting_material(name: str) -> StartingMaterial:
         alike = [other for other in known if stem in other.split("_")]
         stem = alike[0] if len(alike) == 1 else ""
     if not stem:
-        words = f"{name!r} is no starting material."
-        raise InputError(Fault("material", words, f"Use one of {', '.join(known)}."))
+        names = ", ".join(known)
+        raise InputError(messages.NO_STARTING_MATERIAL.fault("material", name=name, known=names))
     data = tomllib.loads((_FOLDER / f"{stem}.toml").read_text(encoding="utf-8"))
     return StartingMaterial(
         title=data["title"],

@@ -9,6 +9,7 @@ from numbers import Real
 from typing import Any
 
 from grainfit.errors import Fault, InputError
+from grainfit.materials import messages
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 
 
@@ -98,19 +99,12 @@ class RayleighTimeStep:
             elif name in self.fixed:
                 found += _value_faults(name, self.fixed[name], self.fixed[name])
             else:
-                found.append(
-                    Fault(
-                        name,
-                        "is neither fixed nor free, and the Rayleigh time step needs it.",
-                        "Give its value in RayleighTimeStep, or make it a parameter.",
-                    )
-                )
+                found.append(messages.NEITHER_FIXED_NOR_FREE.fault(name))
         return found + (self._shape_faults(intervals) if self.shape else [])
 
     def _shape_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
         if ASPECT_RATIO not in intervals:
-            remedy = "Leave shape out: the radius is that of the smallest sphere."
-            return [Fault(ASPECT_RATIO, "is not free, so it needs no shape.", remedy)]
+            return [messages.NEEDS_NO_SHAPE.fault(ASPECT_RATIO)]
         try:
             ParticleShape(self.shape)
         except InputError as error:
@@ -185,4 +179,4 @@ def _value_faults(name: str, low: float, high: float) -> list[Fault]:
             return []
     shown = f"{low!r}" if low == high else f"{low} to {high}"
     wanted = "from 0 to 0.5" if is_ratio else "above 0"
-    return [Fault(name, f"is {shown}.", f"The Rayleigh time step needs numbers {wanted}.")]
+    return [messages.NO_TIME_STEP.fault(name, shown=shown, wanted=wanted)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from grainfit.errors import Fault, InputError
+from grainfit.materials import messages
 from grainfit.units import UnitError, to_unit
 
 #: Parameters that are the tangent of an angle.
@@ -63,7 +64,7 @@ def friction_about(
     """
     middle, spread = _degrees("angle", angle), _degrees("uncertainty", uncertainty)
     if spread == 0:
-        raise InputError(Fault("uncertainty", "is 0.", "Leave it out, and the value is fixed."))
+        raise InputError(messages.ANGLE_WITHOUT_UNCERTAINTY.fault("uncertainty"))
     ends = max(middle - REACH * spread, 0.0), min(middle + REACH * spread, STEEPEST)
     friction, low, high = (math.tan(math.radians(a)) for a in (middle, *ends))
     return friction, (1 + friction**2) * math.radians(spread), low, high
@@ -76,5 +77,4 @@ def _degrees(key: str, given: float | str) -> float:
         raise InputError(Fault(key, error.message, error.remedy)) from None
     if 0 <= angle < STEEPEST:
         return angle
-    remedy = f"An angle must be at least 0, and below {STEEPEST:g} degrees."
-    raise InputError(Fault(key, f"is {given}.", remedy))
+    raise InputError(messages.NO_ANGLE.fault(key, given=given, steepest=STEEPEST))

@@ -92,6 +92,10 @@ class Place:
         line = self.findings.line_of(self.path) or self.findings.line_of(near)
         self.findings.faults.append(FileFault(dotted(self.path), message, remedy, line))
 
+    def refuse(self, fault: Fault) -> None:
+        """Note a fault of this place, whatever its own key."""
+        self.fault(fault.message, fault.remedy)
+
     def note(self, error: InputError, keys: Collection[str], otherwise: Place) -> None:
         """Note the faults that the constructor of a value found.
 
@@ -107,7 +111,7 @@ class Place:
         for fault in error.faults:
             key = fault.key.rpartition(".")[2]
             at = self.at(key) if key in keys else otherwise
-            at.fault(fault.message, fault.remedy)
+            at.refuse(fault)
 
 
 def dotted(path: KeyPath) -> str:

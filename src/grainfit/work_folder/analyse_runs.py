@@ -14,12 +14,13 @@ from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.repeats import seeds_of
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.source import open_source
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted, in_unit, number, plain_ends, plain_interval
 from grainfit.metamodels.curve_reduction import ComponentTarget
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.tables import TextTable, as_html, as_text
+from grainfit.work_folder import messages
 from grainfit.work_folder.import_table import read_import_table
 from grainfit.work_folder.run_columns import COMMON_COLUMNS
 
@@ -185,7 +186,7 @@ def analyse_runs(
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
     given = [runs] if isinstance(runs, str | Path) else list(runs)
     if not given:
-        raise InputError(Fault("runs", "are not given.", "Name a table of runs."))
+        raise InputError(messages.NO_TABLES.fault("runs"))
     known = _Runs(setup)
     ignored: list[str] = []
     seen: set[tuple[str, Path]] = set()
@@ -208,8 +209,8 @@ def analyse_runs(
             ignored.append(f"{counted(repeated, 'run')} of {name} a second time")
     evaluations = known.evaluations
     if not evaluations:
-        words = f"{', '.join(map(str, given))} {'have' if len(given) > 1 else 'has'} no run of it."
-        raise InputError(Fault("runs", words, "Only runs of the tests of the file can be used."))
+        names = ", ".join(map(str, given))
+        raise InputError(messages.NO_RUN_OF_THE_FILE.fault("runs", names=names))
     analysis = analyse(setup.problem, evaluations, seed=seed)
     return RunsAnalysis(setup.problem, analysis, len(evaluations), tuple(ignored))
 
@@ -282,6 +283,4 @@ def _test_of(setup: CalibrationSetup, given: str) -> tuple[str, Path]:
         return name, Path(path)
     if len(tests) == 1:
         return tests[0], Path(given)
-    words = f"{given!r} does not name its test, and the file has several."
-    remedy = f"Write TEST=TABLE.csv with one of {', '.join(tests)}."
-    raise InputError(Fault("runs", words, remedy))
+    raise InputError(messages.WHICH_TEST.fault("runs", given=given, tests=", ".join(tests)))

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import combinations, pairwise
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.formatting import number, plain_ends, plain_interval, unit_for_people, with_unit
 from grainfit.result import ParameterInterval
 from grainfit.tables import TextTable
+from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 _ABSENT = "–"
@@ -37,11 +38,11 @@ def compare(saved: Sequence[SavedCalibration]) -> list[str | TextTable]:
         There are fewer than two, or one of them has no answer yet.
     """
     if len(saved) < 2:
-        raise InputError(Fault("", "one calibration is nothing to compare.", "Name two or more."))
+        raise InputError(messages.ONE_CALIBRATION.fault(""))
     for one in saved:
         if one.result is None or not one.result.parameters:
-            words = f"{str(one.folder)!r} has no answer yet ({one.state})."
-            raise InputError(Fault("", words, "Let 'grainfit run' end first."))
+            fault = messages.NO_ANSWER_TO_COMPARE.fault("", folder=str(one.folder), state=one.state)
+            raise InputError(fault)
     names = _names(saved)
     return [
         *(f"{name}: {one.name}, {one.state}" for name, one in zip(names, saved, strict=True)),

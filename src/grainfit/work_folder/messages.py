@@ -17,3 +17,112 @@ OTHER_MATERIAL = Message(
     "Leave it out, or calibrate with that value.",
 )
 NO_SEED = Message("is {text!r}.", "A seed is a whole number, 0 or above.")
+SOLVER_FOR_IMPORT = Message(
+    "{why} It is needed to import runs too: the version of the solver is part of what a run is, "
+    "and only runs of the version in use are used."
+)
+TEST_NOT_GIVEN = Message("must be given: the file has several tests.", "There are: {tests}.")
+UNKNOWN_TEST = Message("is {test!r}.", "There are: {tests}.")
+RUN_STAYS = Message(
+    "line {line}: this run is there already with other responses ({origin}); it stays as it is."
+)
+MORE_RUNS_STAY = Message("The same of {count} more lines.")
+EARLIER_IMPORT_STAYS = Message(
+    "{runs} of an earlier import of this table are not in it any more; they stay."
+)
+UNUSED_COLUMNS = Message("Columns that are not used: {columns}.")
+OUTSIDE_OF_INTERVAL = Message(
+    "Outside of the interval of {name} ({ends}) by more than {distance:.0%} of its width, and not "
+    "used while it is so: line {lines}."
+)
+NOT_BY_EARLIER_CALIBRATIONS = Message(
+    "A calibration that was started in this folder before continues without these runs. A new "
+    "one, such as one with another --seed, has a warm start from them."
+)
+NO_TABLES = Message("are not given.", "Name a table of runs.")
+NO_RUN_OF_THE_FILE = Message(
+    "have no run of the file: {names}.", "Only runs of the tests of the file can be used."
+)
+WHICH_TEST = Message(
+    "{given!r} does not name its test, and the file has several.",
+    "Write TEST=TABLE.csv with one of {tests}.",
+)
+
+# Runs: selection, export, pruning, measurement.
+NO_RUN = Message("there is no run {identity!r} in {store}.", "'grainfit runs list' names the runs.")
+SEVERAL_RUNS = Message("{identity!r} is the beginning of {count} runs: {some}.", "Give more of it.")
+UNKNOWN = Message("is {wanted!r}.", "{known}")
+NO_SUCH_COLUMN = Message("no run has {name!r}.", "{known}")
+NO_SUCH_NUMBER = Message("no run has a number called {name!r}.", "{known}")
+NO_CONDITION = Message(
+    "{text!r} is not a condition.",
+    "Write name, operator and value, such as 'particle.density > 2000'.",
+)
+UNKNOWN_FORMAT = Message("{path!r} has no known format.", "End it in .csv or .parquet.")
+CANNOT_BE_WRITTEN = Message("{path!r} cannot be written: {why}.")
+RUNS_ARE_A_LINK = Message("{path!r} is a link, and links are not followed.", "Nothing was removed.")
+NOTHING_TO_MEASURE = Message("{path!r} does not exist.", "Name a run folder or a dump.")
+NO_RUN_FOLDER = Message(
+    "{folder!r} is not a run folder: it has no {record} that can be read.",
+    "Name a folder below 'runs' of a work folder, or a dump.",
+)
+RUN_OF_OWN_MODEL = Message(
+    "{folder!r} is a run of your own model.", "Only built-in tests can be measured again."
+)
+
+# The calibration of a work folder, and its answer.
+UNREADABLE = Message(
+    "the calibration in {store!r} cannot be read: {why:.500}. It was written by another version "
+    "of grainfit, or edited."
+)
+NOTHING_CALIBRATED = Message(
+    "nothing has been calibrated in {folder!r} yet.", "Start 'grainfit run' first."
+)
+NO_RESULT = Message(
+    "there is no result in {folder!r}: the calibration is {state}.",
+    "'grainfit status' shows its progress.",
+)
+NO_ANSWER_WHILE_RUNNING = Message(
+    "there is no answer yet; the calibration in {folder!r} is running.",
+    "Wait for its end: grainfit status {folder}",
+)
+NO_ANSWER_INTERRUPTED = Message(
+    "there is no answer yet; the calibration in {folder!r} was interrupted before.",
+    "Start it again: it continues where it stopped.",
+)
+NO_ANSWER_FAILED = Message(
+    "there is no answer yet; the calibration in {folder!r} failed.",
+    "Remove the cause and start it again: grainfit status {folder}",
+)
+NO_ANSWER_FILE = Message(
+    "there is no answer yet; {result!r} is missing.",
+    "Start the calibration again: it is written again, and no finished run is repeated.",
+)
+ONE_CALIBRATION = Message("one calibration is nothing to compare.", "Name two or more.")
+NO_ANSWER_TO_COMPARE = Message(
+    "{folder!r} has no answer yet ({state}).", "Let 'grainfit run' end first."
+)
+NO_PARAMETER_OF_FILE = Message(
+    "was calibrated in {folder!r}, and is no parameter of the file.",
+    "Add it to the file: a simulation without it would be one of another material.",
+)
+NO_VALUE_IN_ANSWER = Message(
+    "is free in the file, and has no value in the answer of {folder!r}.",
+    "Set it (--set NAME=VALUE), or give it a value in the file.",
+)
+SEED_TOO_LARGE = Message(
+    "{seed} and the {repeat} seeds from it on go beyond {largest}.", "Give a smaller one."
+)
+OWN_MODEL_NOT_IN_RUNS = Message(
+    "was simulated by a model of your own, which its runs do not hold.",
+    "Give the calibration file, with --set NAME=VALUE for the answer.",
+)
+CURVES_ONLY = Message(
+    "are curves only, and the study compares single numbers.",
+    "Give a target that is one number, such as a bulk density, as well.",
+)
+SET_BESIDE_ANSWER = Message(
+    "does not go with the answer of a calibration.",
+    "Give the calibration file instead of the folder to set values.",
+)
+NO_MODULUS = Message("has no value, so there is no stiffness to study.", "Give it a value.")

@@ -18,6 +18,7 @@ from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
 from grainfit.errors import GrainfitError, StoreError
 from grainfit.result import Result
 from grainfit.verdict.rule import Status
+from grainfit.work_folder import messages
 
 _STATES = ("not started", "running", "failed", *get_args(Status))
 
@@ -85,10 +86,8 @@ class OpenFolder:
         try:
             yield
         except (GrainfitError, *UNUSABLE) as error:
-            raise StoreError(
-                f"the calibration in {str(self.folder / STORE_NAME)!r} cannot be read: "
-                f"{error!s:.500}. It was written by another version of grainfit, or edited."
-            ) from error
+            store = str(self.folder / STORE_NAME)
+            raise StoreError(messages.UNREADABLE(store=store, why=str(error))) from error
 
     def read_result(self) -> tuple[Result | None, str]:
         """Read the result of the calibration, or why there is none that can be used.
@@ -118,10 +117,7 @@ class OpenFolder:
             return result
         if fault:
             raise StoreError(fault)
-        raise StoreError(
-            f"there is no result in {str(self.folder)!r}: the calibration is {self.state}. "
-            "'grainfit status' shows its progress."
-        )
+        raise StoreError(messages.NO_RESULT(folder=str(self.folder), state=self.state))
 
 
 @contextmanager

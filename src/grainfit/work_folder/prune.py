@@ -8,7 +8,8 @@ from pathlib import Path
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import STORE_NAME, not_a_work_folder
 from grainfit.campaign.work_folder import PARTIAL_SUFFIX, prune_run_folder, read_record
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
+from grainfit.work_folder import messages
 from grainfit.work_folder.disk_use import RUNS
 
 
@@ -52,13 +53,7 @@ def prune_runs(folder: Path, failed: bool = False) -> Pruned:
     if not (folder / STORE_NAME).is_file():
         raise InputError(not_a_work_folder(folder))
     if (folder / RUNS).is_symlink():
-        raise InputError(
-            Fault(
-                "",
-                f"{str(folder / RUNS)!r} is a link, and links are not followed.",
-                "Nothing was removed.",
-            )
-        )
+        raise InputError(messages.RUNS_ARE_A_LINK.fault("", path=str(folder / RUNS)))
     wanted = ("finished", "failed") if failed else ("finished",)
     folders, freed, faults = 0, 0, []
     with hold(folder):

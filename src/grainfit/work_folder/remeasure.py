@@ -12,12 +12,13 @@ from grainfit.bulk_tests.base import BulkTest, absent_responses
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.absent_responses import why_absent
 from grainfit.campaign.work_folder import RECORD_NAME, read_record
-from grainfit.errors import Fault, InputError, NotMeasurableError
+from grainfit.errors import InputError, NotMeasurableError
 from grainfit.evaluation import Measured
 from grainfit.measurement.angle_of_repose import angle_of_repose, heap_silhouettes, on_plate
 from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import Particles, read_dump
 from grainfit.scenes.run_output import RunOutput
+from grainfit.work_folder import messages
 
 #: Silhouettes of a heap in a dump: the default of the heap test.
 _VIEWS = 12
@@ -44,9 +45,7 @@ def measure_path(path: Path) -> Mapping[str, Measured]:
     if path.is_dir():
         return _test_of(path).measure(RunOutput(path))
     if not path.is_file():
-        raise InputError(
-            Fault("", f"{str(path)!r} does not exist.", "Name a run folder or a dump.")
-        )
+        raise InputError(messages.NOTHING_TO_MEASURE.fault("", path=str(path)))
     particles = read_dump(path)
     if len(particles) == 0:
         raise NotMeasurableError(f"{path}: its last frame has no particles.")
@@ -86,13 +85,7 @@ def _test_of(folder: Path) -> BulkTest:
     """Rebuild the test that a run folder's record defines."""
     record = read_record(folder)
     if record is None:
-        raise InputError(
-            Fault(
-                "",
-                f"{str(folder)!r} is not a run folder: it has no {RECORD_NAME} that can be read.",
-                "Name a folder below 'runs' of a work folder, or a dump.",
-            )
-        )
+        raise InputError(messages.NO_RUN_FOLDER.fault("", folder=str(folder), record=RECORD_NAME))
     try:
         test = recreate_test(record.definition)
     except InputError as error:
@@ -100,11 +93,5 @@ def _test_of(folder: Path) -> BulkTest:
         faults = [replace(f, message=f"{record_path!r} {f.message}") for f in error.faults]
         raise InputError(faults) from error
     if test is None:
-        raise InputError(
-            Fault(
-                "",
-                f"{str(folder)!r} is a run of your own model.",
-                "Only built-in tests can be measured again.",
-            )
-        )
+        raise InputError(messages.RUN_OF_OWN_MODEL.fault("", folder=str(folder)))
     return test

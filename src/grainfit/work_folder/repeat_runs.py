@@ -12,14 +12,12 @@ from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.work_folder import simulations_folder
 from grainfit.checks import count_faults
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import in_a_row
 from grainfit.strategies.seeds import LARGEST_SEED
+from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
-
-_OPEN = "Set it (--set NAME=VALUE), or give it a value in the file."
-_LOST = "Add it to the file: a simulation without it would be one of another material."
 
 
 def repeat_runs(
@@ -108,14 +106,12 @@ def _answer(setup: CalibrationSetup, folder: Path, settings: Sequence[str]) -> d
     known = {*setup.problem.middle, *setup.file.fixed}
     given = {setting.partition("=")[0].strip() for setting in settings}
     faults = [
-        Fault(name, f"was calibrated in {str(folder)!r}, and is no parameter of the file.", _LOST)
+        messages.NO_PARAMETER_OF_FILE.fault(name, folder=str(folder))
         for name in answer
         if name not in known
     ]
     faults += [
-        Fault(
-            name, f"is free in the file, and has no value in the answer of {str(folder)!r}.", _OPEN
-        )
+        messages.NO_VALUE_IN_ANSWER.fault(name, folder=str(folder))
         for name in setup.problem.middle
         if name not in answer and name not in given
     ]
@@ -149,9 +145,10 @@ def _remarks(setup: CalibrationSetup, evaluations: Sequence[Evaluation]) -> Iter
 def _require_counts(**given: int) -> None:
     faults = count_faults(given)
     if not faults and given["seed"] + given["repeat"] - 1 > LARGEST_SEED:
-        words = (
-            f"{given['seed']} and the {given['repeat']} seeds from it on go beyond {LARGEST_SEED}."
-        )
-        faults = [Fault("seed", words, "Give a smaller one.")]
+        faults = [
+            messages.SEED_TOO_LARGE.fault(
+                "seed", seed=given["seed"], repeat=given["repeat"], largest=LARGEST_SEED
+            )
+        ]
     if faults:
         raise InputError(faults)

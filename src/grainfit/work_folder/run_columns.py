@@ -11,8 +11,9 @@ from typing import Any
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.contact_models.registry import material_parameter
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import ERROR_SUFFIX, scalars
+from grainfit.work_folder import messages
 
 #: Columns that all runs have, before those of parameters and responses.
 COMMON_COLUMNS = (
@@ -118,18 +119,10 @@ def find_run(store: RunStore, identity: str) -> RunRecord:
     if record is not None:
         return record
     if not found:
-        raise InputError(
-            Fault(
-                "",
-                f"there is no run {identity!r} in {store.place}.",
-                "'grainfit runs list' names the runs.",
-            )
-        )
+        raise InputError(messages.NO_RUN.fault("", identity=identity, store=store.place))
     some = ", ".join(found[:_NAMED_RUNS]) + (", ..." if len(found) > _NAMED_RUNS else "")
     raise InputError(
-        Fault(
-            "", f"{identity!r} is the beginning of {len(found)} runs: {some}.", "Give more of it."
-        )
+        messages.SEVERAL_RUNS.fault("", identity=identity, count=len(found), some=some)
     )
 
 

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.extras import import_extra
 from grainfit.files import in_place_of
 from grainfit.formatting import spreadsheet_text
+from grainfit.work_folder import messages
 from grainfit.work_folder.run_columns import RunColumns
 from grainfit.work_folder.run_table import as_table
 
@@ -29,9 +30,7 @@ def writer_for(path: Path) -> Write:
     if suffix == ".csv":
         return _write_csv
     if suffix != ".parquet":
-        raise InputError(
-            Fault("", f"{str(path)!r} has no known format.", "End it in .csv or .parquet.")
-        )
+        raise InputError(messages.UNKNOWN_FORMAT.fault("", path=str(path)))
     for module in ("pandas", "pyarrow.parquet"):
         import_extra(module, "parquet", "a Parquet file", "Or export to a .csv file.")
     return _write_parquet
@@ -58,7 +57,7 @@ def export_runs(path: Path, runs: RunColumns) -> None:
             write(runs, place)
     except OSError as error:
         raise InputError(
-            Fault("", f"{str(path)!r} cannot be written: {error.strerror or error}.")
+            messages.CANNOT_BE_WRITTEN.fault("", path=str(path), why=error.strerror or error)
         ) from error
 
 

@@ -16,9 +16,10 @@ from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import recover
-from grainfit.errors import Fault, InputError, SolverNotFoundError
+from grainfit.errors import InputError, SolverNotFoundError
 from grainfit.metamodels.known_runs import LARGEST_DISTANCE, distance_outside
 from grainfit.solvers.base import Solver
+from grainfit.work_folder import messages
 from grainfit.work_folder.import_table import TableRow, read_import_table
 
 #: First seed for runs whose seed is not known: no calibration asks for seeds above
@@ -92,10 +93,7 @@ def import_runs(
     try:
         solver.version()
     except SolverNotFoundError as error:
-        raise SolverNotFoundError(
-            f"{error} It is needed to import runs too: the version of the solver is part of what a "
-            "run is, and only runs of the version in use are used."
-        ) from error
+        raise SolverNotFoundError(messages.SOLVER_FOR_IMPORT(why=str(error))) from error
     origin = f"imported from {table.absolute()}"
     with hold(folder):
         store = RunStore.in_folder(folder)
@@ -132,8 +130,12 @@ def _specification(setup: CalibrationSetup, test: str | None) -> TestSpecificati
         return next(iter(tests.values()))
     if test in tests:
         return tests[test]
-    message = "must be given: the file has several tests." if test is None else f"is {test!r}."
-    raise InputError(Fault("--test", message, f"There are: {', '.join(tests)}."))
+    there = ", ".join(tests)
+    raise InputError(
+        messages.TEST_NOT_GIVEN.fault("--test", tests=there)
+        if test is None
+        else messages.UNKNOWN_TEST.fault("--test", test=test, tests=there)
+    )
 
 
 @dataclass
@@ -237,17 +239,11 @@ class _Importing:
     def notices(self) -> Iterator[str]:
         """Report rows that were not imported, and runs that stay from earlier imports."""
         for line, origin in self._others[:_NAMED_LINES]:
-            yield (
-                f"line {line}: this run is there already with other responses ({origin}); "
-                "it stays as it is."
-            )
+            yield messages.RUN_STAYS(line=line, origin=origin)
         if len(self._others) > _NAMED_LINES:
-            yield f"The same of {len(self._others) - _NAMED_LINES} more lines."
+            yield messages.MORE_RUNS_STAY(count=len(self._others) - _NAMED_LINES)
         if self._left_over:
-            yield (
-                f"{_runs(self._left_over)} of an earlier import of this table are not in it any "
-                "more; they stay."
-            )
+            yield messages.EARLIER_IMPORT_STAYS(runs=_runs(self._left_over))
 
 
 def _is_alike(record: RunRecord, other: RunRecord | TableRow) -> bool:
@@ -256,7 +252,7 @@ def _is_alike(record: RunRecord, other: RunRecord | TableRow) -> bool:
 
 def _ignored(columns: list[str]) -> Iterator[str]:
     if columns:
-        yield f"Columns that are not used: {', '.join(columns)}."
+        yield messages.UNUSED_COLUMNS(columns=", ".join(columns))
 
 
 def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
@@ -272,18 +268,14 @@ def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
         if lines:
             some = ", ".join(lines[:_NAMED_LINES]) + (", ..." if len(lines) > _NAMED_LINES else "")
             ends = f"{parameter.minimum:g} to {parameter.maximum:g} {parameter.unit}".rstrip()
-            yield (
-                f"Outside of the interval of {name} ({ends}) by more than "
-                f"{LARGEST_DISTANCE:.0%} of its width, and not used while it is so: line {some}."
+            yield messages.OUTSIDE_OF_INTERVAL(
+                name=name, ends=ends, distance=LARGEST_DISTANCE, lines=some
             )
 
 
 def _not_by_earlier_ones(store: RunStore) -> Iterator[str]:
     if store.latest_calibration() is not None:
-        yield (
-            "A calibration that was started in this folder before continues without these runs. "
-            "A new one, such as one with another --seed, has a warm start from them."
-        )
+        yield messages.NOT_BY_EARLIER_CALIBRATIONS()
 
 
 def _runs(number: int) -> str:

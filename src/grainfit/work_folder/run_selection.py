@@ -13,10 +13,10 @@ from grainfit.campaign.store.records import RunStatus
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import in_a_row
 from grainfit.units import UnitError, to_unit
+from grainfit.work_folder import messages
 from grainfit.work_folder.run_columns import COMMON_COLUMNS, RunColumns
 
 _CONDITION = re.compile(r"\s*(?P<name>[^<>=!]+?)\s*(?P<operator><=|>=|==|!=|=|<|>)(?P<value>.+)")
-_CONDITION_FORM = "Write name, operator and value, such as 'particle.density > 2000'."
 
 
 def select_runs(
@@ -51,7 +51,8 @@ def select_runs(
         if wanted is not None:
             chosen &= {row for row, found in enumerate(runs.values[key]) if found == wanted}
             if there and wanted not in there:
-                faults.append(Fault(f"--{key}", f"is {wanted!r}.", _suggestion(wanted, there)))
+                known = _suggestion(wanted, there)
+                faults.append(messages.UNKNOWN.fault(f"--{key}", wanted=wanted, known=known))
     for condition in where:
         try:
             chosen &= _meeting(runs, condition)
@@ -74,9 +75,8 @@ def sort_runs(runs: RunColumns, by: str) -> RunColumns:
     """
     name = by.removeprefix("-").strip()
     if name not in runs.values:
-        raise InputError(
-            Fault("--sort", f"no run has {name!r}.", _suggestion(name, [*runs.values]))
-        )
+        known = _suggestion(name, [*runs.values])
+        raise InputError(messages.NO_SUCH_COLUMN.fault("--sort", name=name, known=known))
     column = runs.values[name]
     there = [row for row, value in enumerate(column) if value is not None]
     there.sort(key=column.__getitem__, reverse=by.startswith("-"))
@@ -87,12 +87,12 @@ def _meeting(runs: RunColumns, text: str) -> set[int]:
     """Return the rows that meet a condition."""
     match = _CONDITION.fullmatch(text)
     if match is None:
-        raise InputError(Fault("--where", f"{text!r} is not a condition.", _CONDITION_FORM))
+        raise InputError(messages.NO_CONDITION.fault("--where", text=text))
     name = match["name"]
     known = [c for c in runs.values if c not in COMMON_COLUMNS or c in ("seed", "seconds")]
     if name not in known:
-        message = f"no run has a number called {name!r}."
-        raise InputError(Fault("--where", message, _suggestion(name, known)))
+        known_ones = _suggestion(name, known)
+        raise InputError(messages.NO_SUCH_NUMBER.fault("--where", name=name, known=known_ones))
     try:
         limit = _limit(match["value"].strip(), name, runs)
     except UnitError as error:

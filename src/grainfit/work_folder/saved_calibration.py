@@ -23,6 +23,7 @@ from grainfit.result import ParameterInterval, Result, YieldLocusResult, damaged
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.verdict.rule import Status
+from grainfit.work_folder import messages
 from grainfit.work_folder.open_folder import OpenFolder, open_folder
 from grainfit.work_folder.run_table import runs_table
 
@@ -123,10 +124,7 @@ class SavedCalibration:
         with open_folder(folder) as opened:
             calibration = opened.calibration
             if calibration is None:
-                raise StoreError(
-                    f"nothing has been calibrated in {str(folder)!r} yet. Start 'grainfit run' "
-                    "first."
-                )
+                raise StoreError(messages.NOTHING_CALIBRATED(folder=str(folder)))
             warm_start = opened.warm_start_requests()
             records = opened.records_of([*opened.requests, *warm_start])
         with opened.naming():
@@ -358,25 +356,10 @@ def read_answer(reading: SavedCalibration) -> Result:
 
 
 def _no_answer(reading: SavedCalibration) -> Fault:
-    folder = str(reading.folder)
-    message, remedy = {
-        "running": (
-            f"the calibration in {folder!r} is running.",
-            f"Wait for its end: grainfit status {folder}",
-        ),
-        "interrupted": (
-            f"the calibration in {folder!r} was interrupted before.",
-            "Start it again: it continues where it stopped.",
-        ),
-        "failed": (
-            f"the calibration in {folder!r} failed.",
-            f"Remove the cause and start it again: grainfit status {folder}",
-        ),
-    }.get(
-        reading.state,
-        (
-            f"{str(reading.folder / RESULT_NAME)!r} is missing.",
-            "Start the calibration again: it is written again, and no finished run is repeated.",
-        ),
-    )
-    return Fault("", f"there is no answer yet; {message}", remedy)
+    message = {
+        "running": messages.NO_ANSWER_WHILE_RUNNING,
+        "interrupted": messages.NO_ANSWER_INTERRUPTED,
+        "failed": messages.NO_ANSWER_FAILED,
+    }.get(reading.state, messages.NO_ANSWER_FILE)
+    folder, result = str(reading.folder), str(reading.folder / RESULT_NAME)
+    return message.fault("", **{"folder": folder, "result": result})

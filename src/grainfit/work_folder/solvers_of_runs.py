@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.store.records import RunRecord
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.solvers.base import Solver
 from grainfit.solvers.parameters_for import of_material
 from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
@@ -45,13 +46,7 @@ def solver_of_run(record: RunRecord, free: set[str]) -> Solver:
     test = recreate_test(definition)
     program = DEM_PROGRAMS.get(str(definition.model.get("solver")))
     if test is None or program is None:
-        raise InputError(
-            Fault(
-                f"test {record.test}",
-                "was simulated by a model of your own, which its runs do not hold.",
-                "Give the calibration file, with --set NAME=VALUE for the answer.",
-            )
-        )
+        raise InputError(messages.OWN_MODEL_NOT_IN_RUNS.fault(f"test {record.test}"))
     fixed = {name: value for name, value in definition.parameters.items() if name not in free}
     model = definition.model
     solver = program(

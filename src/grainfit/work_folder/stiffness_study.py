@@ -13,7 +13,8 @@ from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
 from grainfit.campaign.work_folder import default_workdir
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
+from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
@@ -89,9 +90,7 @@ def stiffness_study(
     if workers is not None:
         plan = replace(plan, workers=workers)
     if not plan.problem.targets:
-        remedy = "Give a target that is one number, such as a bulk density, as well."
-        words = "are curves only, and the study compares single numbers."
-        raise InputError(Fault("targets", words, remedy))
+        raise InputError(messages.CURVES_ONLY.fault("targets"))
     evaluations = simulate_moduli(plan, Path(workdir or folder), on_start, on_progress)
     return modulus_study(plan, evaluations)
 
@@ -110,8 +109,7 @@ def _of_file(setup: CalibrationSetup, settings: Sequence[str]) -> dict[str, Any]
 
 def _of_answer(folder: Path, settings: Sequence[str]) -> dict[str, Any]:
     if settings:
-        remedy = "Give the calibration file instead of the folder to set values."
-        raise InputError(Fault("set", "does not go with the answer of a calibration.", remedy))
+        raise InputError(messages.SET_BESIDE_ANSWER.fault("set"))
     saved = SavedCalibration.open(folder)
     answer = read_answer(saved).parameters
     modulus = _modulus({**saved.fixed, **answer}, str(folder))
@@ -127,6 +125,6 @@ def _modulus(values: Mapping[str, float], source: str) -> float:
     if MODULUS in values:
         return values[MODULUS]
     raise InputError(
-        Fault(MODULUS, "has no value, so there is no stiffness to study.", "Give it a value."),
+        messages.NO_MODULUS.fault(MODULUS),
         source,
     )
