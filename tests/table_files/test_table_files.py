@@ -17,7 +17,7 @@ from grainfit.options.kinds import Quantity
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.table_files import messages
 from grainfit.table_files.headings import heading
-from grainfit.table_files.reading import Reading, TableFaults, Wanted
+from grainfit.table_files.reading import Reading, TableFaults, Wanted, require_headings
 from grainfit.table_files.table import read_table
 
 Numbers = list[list[float | None]]
@@ -35,6 +35,7 @@ def read(
 ) -> tuple[Numbers, str]:
     """Return the numbers of some columns, as they are or in a unit, and what was understood."""
     table, faults = read_table(path), TableFaults()
+    require_headings(table)
     wanted = Wanted(Quantity(unit), given="" if unit is None else None)
     reading = Reading(table, dict.fromkeys(columns, wanted), faults)
     numbers = [[reading.number(row, at) for at in columns] for row in reading.rows()]

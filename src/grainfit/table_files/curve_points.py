@@ -205,6 +205,10 @@ def read_covariance(
     except InputError as error:
         note_at(place, path, error.faults)
         return None
+    size = len(matrix)
+    place.findings.tables.append(
+        f"{path.name}: separator {table.separator_shown}, {size} rows of {size} numbers"
+    )
     return [[scale * matrix[i][j] for j in points.order] for i in points.order]
 
 

@@ -71,7 +71,9 @@ def split_table(text: str) -> Dialect:
     found: list[tuple[tuple[float, ...], Dialect]] = []
     error: NotCsvError | None = None
     for separator in SEPARATORS:
-        if separator == " " and not _may_be_words(text, comment, found):
+        if not _may_separate(separator, text) or (
+            separator == " " and not _may_be_words(text, comment, found)
+        ):
             continue
         try:
             dialect = Dialect(separator, _with_header(_split(text, separator), comment, separator))
@@ -85,7 +87,14 @@ def split_table(text: str) -> Dialect:
         return next(dialect for score, dialect in found if score == best)
     if error is not None:
         raise error
+    # No separator at all: one column.
     return Dialect(",", _with_header(_split(text, ","), comment, ","))
+
+
+def _may_separate(separator: str, text: str) -> bool:
+    """Return whether a separator is in the first line; a quoted cell may go on in the next one."""
+    line = _LINE_END.split(text.lstrip("\r\n"), maxsplit=1)[0]
+    return separator in line or separator == " " or '"' in line
 
 
 def _may_be_words(

@@ -27,6 +27,9 @@ def decimal_mark(cells: Iterable[str]) -> str:
     >>> decimal_mark(["1,5", "1,234"]), decimal_mark(["1.5", "2"]), decimal_mark(["1,234"])
     (',', '.', '')
     """
+    cells = list(cells)
+    if not any("," in cell for cell in cells):
+        return "." if any("." in cell and math.isfinite(_plain(cell)) for cell in cells) else ""
     count = dict.fromkeys(_MARKS, 0)
     for cell in cells:
         if "," in cell:

@@ -247,17 +247,21 @@ class Reading:
     def number(self, row: Row, position: int) -> float | None:
         """Return the number in a cell, converted; None after noting its fault, or if empty."""
         wanted = self._wanted[position]
-        where = f"line {row.line}, column {self.table.headings[position].label}"
         text = row.cells[position]
+        if not wanted.is_checked and not self.units[position] and self.mark != ",":
+            number = _plain_number(text)
+            if number is not None:
+                return number
+        where = f"line {row.line}, column {self.table.headings[position].label}"
         if not text:
             if not wanted.may_be_empty:
                 self.faults.note(messages.NO_VALUE.fault(where))
             return None
-        number = parse_number(text, self.mark, where)
-        if isinstance(number, Fault):
-            self.faults.note(number)
+        found = parse_number(text, self.mark, where)
+        if isinstance(found, Fault):
+            self.faults.note(found)
             return None
-        return self._checked(number, where, wanted, self.units[position])
+        return self._checked(found, where, wanted, self.units[position])
 
     def _checked(self, number: float, where: str, wanted: Wanted, unit: str) -> float | None:
         if not math.isfinite(number):
@@ -300,6 +304,15 @@ class Reading:
         wanted, heading = self._wanted[position], self.table.headings[position]
         unit = self.units[position] or wanted.unit or wanted.own_unit
         return f"{heading.label} [{unit}]" if unit else heading.label
+
+
+def _plain_number(text: str) -> float | None:
+    """Return a finite number without a comma; None for all else. Large tables are full of them."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) and "_" not in text else None
 
 
 def _some(names: Sequence[str]) -> str:
