@@ -19,7 +19,8 @@ PACKAGE = "grainfit"
 #: The rooms from the ground up: one may import only those below it. A room is a folder or a file
 #: of the package; rooms of one floor do not know each other.
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("errors", "lazy"),
+    ("lazy", "one_line"),
+    ("errors",),
     ("messages",),
     ("checks", "extras", "units", "formatting", "files", "plain_data", "registration"),
     ("options", "tables", "verdict"),

@@ -7,12 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from grainfit.one_line import shortened
+
 #: Beginning of the key of a test, which counts from zero.
 _TEST = re.compile(r"^test\[(\d+)\](\.|$)")
 
 
 class GrainfitError(Exception):
     """Base of all errors that grainfit raises on purpose."""
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({shortened(str(self))})"
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.one_line import one_line
 from grainfit.problem import Problem
 from grainfit.result import MetamodelQuality, ParameterInterval
 from grainfit.strategies.answer import metamodel_quality
@@ -44,6 +45,8 @@ class Analysis:
     notes : tuple of str
         Notes for the reader, such as why a part is missing.
     """
+
+    __repr__ = one_line
 
     metamodels: Metamodels | None = None
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)

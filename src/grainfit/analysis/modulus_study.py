@@ -19,6 +19,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
+from grainfit.one_line import one_line
 from grainfit.problem import Target
 from grainfit.problem.target import NORMAL_QUANTILE
 from grainfit.tables import Summary, TextTable
@@ -85,6 +86,8 @@ class ModulusStudy(Summary):
     curves : tuple of str
         Measured curves, which are not compared.
     """
+
+    __repr__ = one_line
 
     rows: tuple[ModulusRow, ...]
     targets: tuple[Target, ...]

@@ -24,6 +24,7 @@ from grainfit.formatting import (
     plain_ends,
     plain_interval,
 )
+from grainfit.one_line import one_line
 from grainfit.problem import CurveTarget, Target
 from grainfit.tables import Summary, TextTable
 from grainfit.verdict.rule import useless_scatter
@@ -106,6 +107,8 @@ class RepeatedRuns(Summary):
     curves : tuple of CurveScatter
         Those that were measured.
     """
+
+    __repr__ = one_line
 
     responses: tuple[ResponseScatter, ...]
     parameters: Mapping[str, float]

@@ -29,6 +29,7 @@ from grainfit.evaluation import Measured
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.one_line import OneLine
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
 from grainfit.options.tables import Key
@@ -134,7 +135,7 @@ class Conditions:
 
 
 @dataclass(frozen=True)
-class BulkTest(ABC):
+class BulkTest(OneLine, ABC):
     """A laboratory test of a bulk solid, ready to be simulated.
 
     A subclass is a frozen dataclass whose fields are its options, each declared by

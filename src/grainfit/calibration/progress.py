@@ -8,6 +8,7 @@ from math import ceil, floor
 
 from grainfit.campaign.pending import ClusterJob, PendingRun
 from grainfit.evaluation import Evaluation
+from grainfit.one_line import one_line
 
 #: Factor to both sides of the estimated remaining runs (`benchmarks/verdicts.py`).
 UNCERTAINTY_OF_LEFT = 1.6
@@ -45,6 +46,8 @@ class Progress:
     jobs : sequence of ClusterJob
         Jobs of a cluster in which they execute.
     """
+
+    __repr__ = one_line
 
     stage: str
     done: int

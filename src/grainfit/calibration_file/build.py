@@ -37,6 +37,7 @@ from grainfit.evaluation import response_name
 from grainfit.formatting import with_unit
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.one_line import one_line
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity
 from grainfit.problem import Problem
@@ -66,6 +67,8 @@ class CalibrationSetup:
     local : bool
         Run on this machine even when the file has a cluster.
     """
+
+    __repr__ = one_line
 
     file: CalibrationFile
     problem: Problem

@@ -12,6 +12,7 @@ from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import messages
 from grainfit.evaluation.names import ALL_RUNS, name_of_test, names_of_tests, response_name
 from grainfit.evaluation.response import Curve, Response
+from grainfit.one_line import one_line
 
 Stage = Literal["design", "optimisation", "verification"]
 
@@ -31,6 +32,8 @@ class Proposal:
     tests : tuple of str, optional
         Names of the tests; None for every test.
     """
+
+    __repr__ = one_line
 
     parameters: Mapping[str, float]
     seed: int
@@ -74,6 +77,8 @@ class Evaluation:
         Reason by name of the run that failed. With several seeds per evaluation, the others may
         have given the responses: then the test is not among the ``failures``.
     """
+
+    __repr__ = one_line
 
     proposal: Proposal
     responses: Mapping[str, Response]

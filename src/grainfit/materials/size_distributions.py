@@ -26,6 +26,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.formatting import millimetres, percent
 from grainfit.materials import messages
 from grainfit.materials.sizes import LARGEST_DIAMETER, SMALLEST_DIAMETER
+from grainfit.one_line import OneLine
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
 
@@ -37,7 +38,7 @@ _STANDARD_NORMAL = NormalDist()
 _Z90 = _STANDARD_NORMAL.inv_cdf(0.9)
 
 
-class SizeDistribution(ABC):
+class SizeDistribution(OneLine, ABC):
     """A continuous distribution of particle sizes by mass."""
 
     #: Name in the calibration file.

@@ -11,6 +11,7 @@ from typing import Any
 from grainfit.errors import Fault, InputError
 from grainfit.materials import messages
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
+from grainfit.one_line import one_line
 
 
 def rayleigh_time_step(
@@ -74,6 +75,8 @@ class RayleighTimeStep:
     >>> step({"particle.aspect_ratio": 1.5}) > step({"particle.aspect_ratio": 2.0})
     True
     """
+
+    __repr__ = one_line
 
     radius: float
     fixed: Mapping[str, float]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.one_line import as_call
 from grainfit.problem import messages
 from grainfit.problem.correlations import (
     Correlation,
@@ -120,7 +121,8 @@ class Problem:
         return correlation_faults([target.name for target in self.targets], pairs)
 
     def __repr__(self) -> str:
-        return f"Problem(parameters={[*self.intervals]}, targets={[*self.responses]})"
+        names = {"parameters": [*self.intervals], "targets": [*self.responses]}
+        return as_call("Problem", names)
 
     @property
     def responses(self) -> tuple[str, ...]:

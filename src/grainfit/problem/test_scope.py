@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from grainfit.checks import as_number, count_faults
 from grainfit.errors import Fault, InputError
-from grainfit.formatting import short_repr
+from grainfit.one_line import one_line
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain
 
@@ -36,6 +36,8 @@ class TestScope:
     ('restitution',)
     """
 
+    __repr__ = one_line
+
     name: str
     targets: Sequence[str]
     parameters: Sequence[str]
@@ -61,9 +63,6 @@ class TestScope:
                 messages.NOT_ABOVE_ZERO.fault(f"{self.name}.seconds", given=repr(self.seconds))
             )
         make_plain(self, "seconds")
-
-    def __repr__(self) -> str:
-        return short_repr(self, "name", "targets", "parameters")
 
 
 def scope_faults(tests: Sequence[TestScope], parameters: Sequence[str]) -> Iterator[Fault]:

@@ -12,6 +12,7 @@ from typing import Any
 from grainfit.errors import StoreError
 from grainfit.files import LARGEST_RESULT, read_within, write_atomically
 from grainfit.formatting import counted, plain_ends, plain_interval, plain_probability
+from grainfit.one_line import one_line
 from grainfit.plain_data import parse_json, read_plain
 from grainfit.result.older_versions import in_current_names
 from grainfit.result.parts import (
@@ -84,6 +85,8 @@ class Result(Summary):
     yield_loci : sequence of YieldLocusResult
         One for each material that was sheared at two or more normal stresses.
     """
+
+    __repr__ = one_line
 
     status: Status
     parameters: Mapping[str, float]

@@ -22,6 +22,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.materials.walls import on_wall
+from grainfit.one_line import one_line
 from grainfit.scenes import messages
 from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.glued import Glued
@@ -69,6 +70,8 @@ class Box:
         Axes along which the space repeats, such as ``"y"`` or ``"xy"``.
     """
 
+    __repr__ = one_line
+
     low: Vector
     high: Vector
     periodic: str = ""
@@ -95,6 +98,8 @@ class Wall:
     surface : str
         Name of a surface of the scene.
     """
+
+    __repr__ = one_line
 
     shape: Shape
     surface: str = WALL
@@ -195,6 +200,8 @@ class Stage:
     is_closed : bool
         No particle may get lost in it: walls hold them all.
     """
+
+    __repr__ = one_line
 
     name: str
     until: Condition

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from grainfit.one_line import one_line
+
 Vector = tuple[float, float, float]
 
 
@@ -37,6 +39,8 @@ class Block:
         Corners. Along a periodic axis the block is infinite, and they have no effect.
     """
 
+    __repr__ = one_line
+
     low: Vector
     high: Vector
 
@@ -55,6 +59,8 @@ class Cylinder:
     axis : {"x", "y", "z"}
         Its axis; upright by default.
     """
+
+    __repr__ = one_line
 
     radius: float
     bottom: float
@@ -124,6 +130,8 @@ class Mesh:
     scale : float
         Metres in a unit of the file: 0.001 for one in mm.
     """
+
+    __repr__ = one_line
 
     path: Path
     scale: float = 1.0

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
+from grainfit.one_line import one_line
 from grainfit.run_definition import RunDefinition, without_defaults
 from grainfit.solvers.run_cost import RunCost
 from grainfit.solvers.speed import Speed
@@ -46,6 +47,8 @@ class Workspace:
         Set when the user stops the calibration: the run must end soon.
     """
 
+    __repr__ = one_line
+
     folder: Path
     timeout: float | None = None
     cancelled: threading.Event = field(default_factory=threading.Event)
@@ -53,6 +56,8 @@ class Workspace:
 
 class Solver(ABC):
     """Interface of solvers: turn parameter values and a seed into responses."""
+
+    __repr__ = one_line
 
     #: Short name shown to the user, as in the calibration file.
     name: str

@@ -16,6 +16,7 @@ from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.outliers import Outliers
 from grainfit.metamodels.two_states import has_two_states
+from grainfit.one_line import one_line
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality
 from grainfit.strategies.run_costs import RunCosts
@@ -63,6 +64,8 @@ class Answer:
         Reduction of the measured curves, whose components are among the targets; None when there
         are no curves.
     """
+
+    __repr__ = one_line
 
     parameters: Mapping[str, float]
     predicted: Mapping[str, float]

@@ -45,6 +45,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Outcome, Proposal
+from grainfit.one_line import OneLine, one_line
 from grainfit.options.fields import option_keys, read_options
 from grainfit.strategies import messages
 from grainfit.verdict.options import VERDICT
@@ -56,7 +57,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Strategy(ABC):
+class Strategy(OneLine, ABC):
     """Options of a calibration method.
 
     Subclasses are frozen dataclasses whose fields are declared with `grainfit.options.fields`.
@@ -125,6 +126,8 @@ class Search(ABC):
     max_evaluations : int, optional
         Largest number of proposals.
     """
+
+    __repr__ = one_line
 
     #: Smallest probability of an answer at which fresh seeds are worth their runs.
     verify_from: ClassVar[float] = VERDICT.verify_from

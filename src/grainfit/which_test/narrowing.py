@@ -17,6 +17,7 @@ from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
+from grainfit.one_line import one_line
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
@@ -62,6 +63,8 @@ class ExpectedNarrowing:
         Sentences about the limits of the estimate, and about parameters that will stay open, with
         tests to add.
     """
+
+    __repr__ = one_line
 
     narrowing: dict[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

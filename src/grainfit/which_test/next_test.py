@@ -20,6 +20,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
+from grainfit.one_line import as_call
 from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
 from grainfit.tables import Summary, TextTable
@@ -156,7 +157,7 @@ class Advice(Summary):
 
     def __repr__(self) -> str:
         best = self.best.name if self.best else None
-        return f"Advice(best={best!r}, unsettled={self.unsettled})"
+        return as_call("Advice", {"best": best, "unsettled": self.unsettled})
 
     @property
     def best(self) -> Prospect | None:
