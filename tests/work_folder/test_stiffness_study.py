@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.analysis.modulus_plan import ModulusPlan, simulate_moduli
 from grainfit.analysis.modulus_study import ModulusRow
 from grainfit.campaign.batch import ExpectedWork
-from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
 from grainfit.campaign.store.records import RunRecord
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
+from grainfit.analysis.modulus_plan import ModulusPlan
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.campaign.moduli import ModulusPlan
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (

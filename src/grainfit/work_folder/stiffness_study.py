@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from grainfit.analysis.modulus_plan import ModulusPlan, simulate_moduli
 from grainfit.analysis.modulus_study import ModulusStudy, modulus_study
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.batch import ExpectedWork
-from grainfit.campaign.moduli import ModulusPlan, simulate_moduli
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.errors import InputError
 from grainfit.work_folder import messages
