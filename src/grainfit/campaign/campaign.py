@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from pickle import PicklingError
 
+from grainfit.campaign import messages
 from grainfit.campaign import work_folder as workdir
 from grainfit.campaign.absent_responses import with_needed
 from grainfit.campaign.keep import Keep
@@ -23,7 +24,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.shared import SharedRuns
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.worker import RunTask, execute, failed_record
-from grainfit.errors import ExecutorError, Fault, InputError, StoreError
+from grainfit.errors import ExecutorError, InputError, StoreError
 from grainfit.evaluation import (
     Evaluation,
     Proposal,
@@ -411,10 +412,8 @@ class Campaign:
         try:
             future = executor.submit(execute, task, *cancelled)
         except (BrokenExecutor, RuntimeError) as error:
-            raise ExecutorError(
-                f"the executor takes no more runs: {error or type(error).__name__}. Finished runs "
-                "are kept; start again to continue."
-            ) from error
+            reason = error or type(error).__name__
+            raise ExecutorError(messages.NO_MORE_RUNS(reason=reason)) from error
         self._futures[identity] = future
         future.add_done_callback(lambda done: self._note_end(task, done))
 
@@ -441,13 +440,10 @@ class Campaign:
             raise
         except (PicklingError, AttributeError, TypeError) as error:
             # `execute` raises none of these: the task could not be sent.
-            raise ExecutorError(
-                f"a run cannot be sent to another process: {error}. Give a function that is "
-                "defined at the top of a module, or use threads."
-            ) from error
+            raise ExecutorError(messages.CANNOT_BE_SENT(reason=error)) from error
         except Exception as error:
             # When a worker dies or its job is ended, only its current run is lost.
-            reason = f"the worker was lost: {type(error).__name__}: {error}"
+            reason = messages.WORKER_LOST(kind=type(error).__name__, reason=error)
             outcome = replace(failed_record(task.record, reason, "machine"), ended=time.time())
         if outcome.status == "failed" and (self._cancelled.is_set() or outcome.kind == "cancelled"):
             return None
@@ -529,7 +525,7 @@ class Campaign:
 
 def _require_names_of_tests(names: Iterable[str]) -> None:
     faults = [
-        Fault(name, "is a name that further runs of a test have.", "Give the test another name.")
+        messages.NAME_OF_FURTHER_RUNS.fault(name)
         for name in names
         if names_of_tests([name]) != (name,)
     ]

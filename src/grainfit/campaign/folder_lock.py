@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
+from grainfit.campaign import messages
 from grainfit.errors import StoreError
 
 #: `is_held` takes the lock for a moment; `hold` waits that long before it refuses.
@@ -60,10 +61,8 @@ def hold(folder: Path) -> Iterator[None]:
         (folder / "runs").mkdir(parents=True, exist_ok=True)
         file = path.open("a+", encoding="utf-8")
     except OSError as error:
-        raise StoreError(
-            f"the work folder {str(folder)!r} cannot be used: {error.strerror}. "
-            "Choose another with --workdir."
-        ) from error
+        text = messages.FOLDER_UNUSABLE(folder=str(folder), reason=error.strerror)
+        raise StoreError(text) from error
     with file:
         locked = _lock(file, folder)
         signature = Signature.read(path)
@@ -136,10 +135,7 @@ class Signature:
 
 
 def _in_use(folder: Path, signature: Signature) -> StoreError:
-    return StoreError(
-        f"the work folder {str(folder)!r} is in use by process {signature}. "
-        "Wait for it to end, or choose another folder with --workdir."
-    )
+    return StoreError(messages.FOLDER_IN_USE(folder=str(folder), process=signature))
 
 
 def _lock(file: TextIO, folder: Path) -> bool:
@@ -154,14 +150,12 @@ def _lock(file: TextIO, folder: Path) -> bool:
                 return False
             time.sleep(0.02)
         except OSError as error:
-            cause = f"the work folder {str(folder)!r} cannot be locked: {error.strerror}"
+            path, reason = str(folder), error.strerror
             if error.errno not in _UNSUPPORTED:
-                raise StoreError(f"{cause}. {_ANOTHER}.") from error
-            raise StoreError(
-                f"{cause}. Its file system has no locks; without them two starts would disturb "
-                f"each other, and the run store cannot be written. {_ANOTHER}, or ask the "
-                "administrator for locks (NFS: its lock service, Lustre: the mount option flock)."
-            ) from error
+                text = messages.NOT_LOCKED(folder=path, reason=reason, remedy=_ANOTHER)
+            else:
+                text = messages.NO_LOCKS(folder=path, reason=reason, remedy=_ANOTHER)
+            raise StoreError(text) from error
 
 
 def _try_locks_of_sqlite(file: TextIO) -> None:

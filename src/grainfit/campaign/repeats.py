@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import fmean, stdev
 
+from grainfit.campaign import messages
 from grainfit.campaign.store.records import RunRecord
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import Curve, Measured, Response
 
 
@@ -83,8 +84,7 @@ def _mean(found: Sequence[Measured]) -> Measured:
     numbers = [one for one in found if isinstance(one, Response)]
     curves = [one for one in found if isinstance(one, Curve)]
     if numbers and curves:
-        words = "is a number in some runs and a curve in others."
-        raise InputError(Fault("response", words, "Let every run yield the same."))
+        raise InputError(messages.NUMBER_AND_CURVE.fault("response"))
     return _mean_response(numbers) if numbers else _mean_curve(curves)
 
 
@@ -110,7 +110,6 @@ def _mean_curve(found: Sequence[Curve]) -> Curve:
     high = min(ends) if ends else max(one.coordinates[-1] for one in found)
     places = sorted({x for one in found for x in one.coordinates if low <= x <= high})
     if len(places) < 2:
-        words = "of the runs have no coordinates in common."
-        raise InputError(Fault("curves", words, "Let every run cover the same range."))
+        raise InputError(messages.NOTHING_IN_COMMON.fault("curves"))
     values = np.mean([np.interp(places, one.coordinates, one.values) for one in found], axis=0)
     return Curve(places, values.tolist(), all(one.stays for one in found))

@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from grainfit.campaign import messages
 from grainfit.campaign.absent_responses import why_absent
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
@@ -80,7 +81,7 @@ def execute(task: RunTask, cancelled: threading.Event | None = None) -> RunRecor
     partial = None
     try:
         if cancelled.is_set():
-            raise RunFailedError("stopped by the user", kind="cancelled")
+            raise RunFailedError(messages.STOPPED_BY_USER(), kind="cancelled")
         if task.solver.uses_folder:
             partial = open_run_folder(task.folder, task.record.identity)
         workspace = Workspace(partial or task.folder, task.timeout, cancelled)
@@ -106,9 +107,9 @@ def _put_away(task: RunTask, partial: Path, outcome: RunRecord) -> RunRecord:
             return outcome
         if not partial.exists():
             # The run was discarded, and its responses may be those of incomplete files.
-            reason = "the folder of the run was removed while it ran"
+            reason = messages.FOLDER_REMOVED()
             return replace(outcome, status="failed", responses={}, reason=reason, kind="machine")
-        return replace(outcome, log_tail=f"the run's folder could not be kept: {error}")
+        return replace(outcome, log_tail=messages.FOLDER_NOT_KEPT(reason=error))
     return outcome
 
 
@@ -120,7 +121,8 @@ def _failed(record: RunRecord, error: Exception) -> RunRecord:
     tail = "".join(traceback.format_exception(error))[-_TAIL_CHARACTERS:]
     if isinstance(error, (MemoryError, OSError)):
         return failed_record(record, machine_error(error) or str(error), "machine", tail)
-    return failed_record(record, f"unexpected {type(error).__name__}: {error}", "evaluation", tail)
+    reason = messages.UNEXPECTED(kind=type(error).__name__, reason=error)
+    return failed_record(record, reason, "evaluation", tail)
 
 
 def failed_record(record: RunRecord, reason: str, kind: str, log_tail: str = "") -> RunRecord:
@@ -133,4 +135,5 @@ def _refuse_non_finite(responses: Mapping[str, Measured]) -> None:
     # The points of a curve are finite: it cannot be made of others.
     for name, response in scalars(responses).items():
         if not (math.isfinite(response.value) and math.isfinite(response.standard_error)):
-            raise RunFailedError(f"response {name} is {response.value}", kind="evaluation")
+            reason = messages.NOT_FINITE(name=name, value=response.value)
+            raise RunFailedError(reason, kind="evaluation")

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from grainfit.cli import messages
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.simulating import simulating
 from grainfit.errors import Fault, InputError
@@ -55,5 +56,5 @@ def read_seconds(text: str | None) -> float | None:
     except UnitError as error:
         raise InputError(Fault("max-time", error.message, error.remedy)) from None
     if not seconds > 0:
-        raise InputError(Fault("max-time", f"is {text!r}.", "Give a time above 0, as 10min."))
+        raise InputError(messages.NO_TIME.fault("max-time", given=text))
     return seconds

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import typer
 from rich.text import Text
 
+from grainfit.cli import messages
 from grainfit.cli.consoles import err
 from grainfit.cli.verbosity import is_quiet
 from grainfit.formatting import plain
@@ -39,7 +40,7 @@ def choose(question: str, options: Mapping[str, str], usual: str) -> list[str]:
         chosen = [_named(part.strip(), names) for part in answer.split(",")]
         if all(chosen):
             return chosen
-        err.print("Choose from the list.", style="red")
+        err.print(messages.NOT_IN_LIST(), style="red")
 
 
 def _named(answer: str, names: list[str]) -> str:

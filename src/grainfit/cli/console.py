@@ -13,7 +13,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+from grainfit.cli import messages
+from grainfit.errors import GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Curve, Measured, curves, scalars
 from grainfit.formatting import duration, plain
 
@@ -269,7 +270,7 @@ def read_numbers(key: str, text: str) -> list[float]:
         try:
             found.append(float(part))
         except ValueError:
-            fault = Fault(key, f"{part.strip()!r} is not a number.", "Write them as 1,4,16.")
+            fault = messages.NO_NUMBER.fault(key, given=part.strip())
             raise InputError(fault) from None
     return found
 
@@ -307,9 +308,9 @@ def _ends(curve: Curve) -> tuple[str, str]:
     return f"{low} to {high}", f"(over {first} to {last})"
 
 
-def print_warning(console: Console, words: str) -> None:
+def print_warning(console: Console, text: str) -> None:
     """Print a warning in one line."""
-    console.print(_text(words, "yellow"), soft_wrap=True)
+    console.print(_text(text, "yellow"), soft_wrap=True)
 
 
 def print_error(console: Console, error: GrainfitError) -> None:

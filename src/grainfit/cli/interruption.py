@@ -14,6 +14,7 @@ from typing import Any
 import typer
 from typing_extensions import override
 
+from grainfit.cli import messages
 from grainfit.cli.consoles import err
 from grainfit.cli.exit_codes import INTERRUPTED
 from grainfit.cli.help_texts import GroupWithSummaries
@@ -23,8 +24,6 @@ from grainfit.errors import GrainfitError
 _SENT_BY_OTHERS = (signal.SIGTERM, signal.SIGHUP)
 _TOGETHER_SECONDS = 2.0
 _AGAIN_SECONDS = 0.1
-#: Last line of an interrupted command that keeps its runs.
-STOPPED = "Interrupted. Finished runs are kept; start again to continue."
 
 
 class Interruption:
@@ -108,5 +107,6 @@ class InterruptibleCommands(GroupWithSummaries):
             if not (isinstance(error, KeyboardInterrupt) or interruption.count):
                 raise
             interruption.exit_at_once(INTERRUPTED)
-            err.print(STOPPED if ctx.invoked_subcommand == "run" else "Interrupted.")
+            is_run = ctx.invoked_subcommand == "run"
+            err.print(messages.STOPPED() if is_run else messages.INTERRUPTED())
             raise typer.Exit(INTERRUPTED) from None

@@ -10,6 +10,7 @@ from typing import Any
 
 import typer
 
+from grainfit.cli import messages
 from grainfit.cli.app import app
 from grainfit.cli.console import print_error
 from grainfit.cli.consoles import err
@@ -52,7 +53,7 @@ def _with_text() -> int:
         print_error(err, _known(error))
         return BAD_INPUT
     except KeyboardInterrupt:
-        err.print("Interrupted.")
+        err.print(messages.INTERRUPTED())
         return INTERRUPTED
     return 0
 
@@ -67,7 +68,7 @@ def _with_json() -> int:
         error = _known(raised)
         text, code = str(error), BAD_INPUT
     except (KeyboardInterrupt, typer.Abort) as raised:
-        error, text, code = raised, "Interrupted.", INTERRUPTED
+        error, text, code = raised, messages.INTERRUPTED(), INTERRUPTED
     print_document("error", error_document(error, text, code))
     return code
 
@@ -77,6 +78,4 @@ def _known(error: GrainfitError | MemoryError) -> GrainfitError:
         return error
     reason = " ".join(str(error).split()).rstrip(".")
     why = f": {reason[:1].lower()}{reason[1:]}" if reason else ""
-    return GrainfitError(
-        f"The machine has no memory left{why}. Use fewer particles, or end other programs."
-    )
+    return GrainfitError(messages.NO_MEMORY(why=why))

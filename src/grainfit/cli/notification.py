@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.consoles import err
 from grainfit.formatting import plain
 
@@ -104,7 +105,7 @@ def _notify(command: str, variables: dict[str, str]) -> None:
         fault = str(error)
     if fault:
         with suppress(OSError):
-            show.print_warning(err, f"The command of --notify failed: {fault}.")
+            show.print_warning(err, messages.NOTIFICATION_FAILED(reason=fault))
 
 
 def _execute(command: str, environment: dict[str, str]) -> str:
@@ -121,7 +122,7 @@ def _execute(command: str, environment: dict[str, str]) -> str:
     try:
         code = process.wait(LONGEST_SECONDS)
     except subprocess.TimeoutExpired:
-        return f"it took longer than {LONGEST_SECONDS:.0f} s and was ended"
+        return messages.NOTIFICATION_TOO_LONG(seconds=LONGEST_SECONDS)
     finally:
         if process.returncode is None:
             with suppress(OSError):

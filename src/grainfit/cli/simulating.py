@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from grainfit.cli import messages
 from grainfit.cli.consoles import err as _err
 from grainfit.cli.consoles import err_remarks as _remarks
 from grainfit.cli.exit_codes import INTERRUPTED
-from grainfit.cli.interruption import STOPPED
 
 if TYPE_CHECKING:
     from grainfit.campaign.batch import ExpectedWork
@@ -51,5 +51,5 @@ def simulating(
             yield {"on_start": begin, "on_progress": show}
     except KeyboardInterrupt:
         # Typer would end it without a word.
-        _err.print(STOPPED)
+        _err.print(messages.STOPPED())
         raise typer.Exit(INTERRUPTED) from None

@@ -8,6 +8,7 @@ from typing import Annotated, Any, TypeVar
 import typer
 from typing_extensions import override
 
+from grainfit.cli import messages
 from grainfit.cli.added_options import added_option, with_options
 from grainfit.cli.consoles import err_remarks, out_remarks
 from grainfit.cli.help_texts import CommandWithPanels, GroupWithSummaries
@@ -38,7 +39,7 @@ def begin(*, quiet: bool = False, verbose: bool = False) -> None:
     """Choose how much is printed from now on."""
     global _verbose
     if quiet and verbose:
-        raise typer.BadParameter("--quiet and --verbose exclude each other.")
+        raise typer.BadParameter(messages.QUIET_AND_VERBOSE())
     out_remarks.quiet = err_remarks.quiet = quiet
     _verbose = verbose
 

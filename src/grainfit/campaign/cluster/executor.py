@@ -13,6 +13,7 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
 
+from grainfit.campaign import messages
 from grainfit.campaign.cluster.options import SCHEDULERS, ClusterOptions
 from grainfit.errors import GrainfitError
 from grainfit.extras import how_to_install
@@ -52,7 +53,7 @@ def executed_by(options: ClusterOptions) -> list[str]:
 def missing_scheduler(options: ClusterOptions) -> str:
     """Return the message that this machine has no scheduler, and the consequence."""
     command = SCHEDULERS[options.scheduler]
-    return f"{command} is not found: the runs are executed on this machine."
+    return messages.NO_SCHEDULER(command=command)
 
 
 @contextmanager
@@ -78,14 +79,9 @@ def cluster_executor(options: ClusterOptions, folder: Path) -> Iterator[Executor
     """
     folder = folder.absolute()
     if not _SAFE_PATH.fullmatch(str(folder)):
-        raise GrainfitError(
-            f"the work folder {str(folder)!r} cannot be used on a cluster: scripts of jobs cannot "
-            "have such a path. Choose one of letters (a to z), digits and _ . - with --workdir."
-        )
+        raise GrainfitError(messages.PATH_FOR_SCRIPTS(folder=str(folder)))
     if importlib.util.find_spec("parsl") is None:
-        raise GrainfitError(
-            f"runs on a cluster need Parsl, which is not installed. {how_to_install('parsl')}"
-        )
+        raise GrainfitError(messages.NO_PARSL(install=how_to_install("parsl")))
     from grainfit.campaign.cluster.parsl_executor import jobs_of
 
     with jobs_of(options, folder / "parsl") as executor:

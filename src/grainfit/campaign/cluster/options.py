@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from grainfit.campaign import messages
 from grainfit.errors import Fault, InputError
 
 #: Command that submits a job, by scheduler.
@@ -80,42 +81,31 @@ class ClusterOptions:
 
     def _faults(self) -> Iterator[Fault]:
         if self.scheduler not in SCHEDULERS:
-            yield Fault(
-                "scheduler", f"is {self.scheduler!r}.", f"There is: {', '.join(SCHEDULERS)}."
-            )
+            known = ", ".join(SCHEDULERS)
+            yield messages.NOT_KNOWN.fault("scheduler", given=self.scheduler, known=known)
         for key in ("jobs", "runs_per_job", "cores_per_run"):
             count = getattr(self, key)
             if count is not None and count < 1:
-                yield Fault(key, f"is {count}.", "It must be at least 1.")
+                yield messages.BELOW_ONE.fault(key, given=count)
         yield from self._faults_with_own_parsl() if self.parsl else self._faults_of_jobs()
 
     def _faults_with_own_parsl(self) -> Iterator[Fault]:
         for key in ("partition", "account", "walltime", "setup", "options"):
             if getattr(self, key):
-                yield Fault(
-                    key,
-                    "has no effect beside parsl.",
-                    "Set it in your Parsl configuration instead.",
-                )
+                yield messages.BESIDE_PARSL.fault(key)
 
     def _faults_of_jobs(self) -> Iterator[Fault]:
         for key in ("partition", "account"):
             name = getattr(self, key)
             if name is not None and not _NAME.fullmatch(name):
-                yield Fault(
-                    key,
-                    f"{name!r} cannot be a name.",
-                    "Use letters (a to z), digits and _ . , : @ + -",
-                )
+                yield messages.NO_NAME.fault(key, given=name)
         if self.walltime is None:
-            yield Fault("walltime", "is missing.", 'Set how long a job may last: walltime = "2 h".')
+            yield messages.NO_WALLTIME.fault("walltime")
         elif not SHORTEST_WALLTIME <= self.walltime <= LONGEST_WALLTIME:
-            yield Fault(
-                "walltime", f"is {self.walltime:g} s.", "It must be from 1 minute to 1 year."
-            )
+            yield messages.WALLTIME.fault("walltime", given=self.walltime)
         for line in self.setup:
             if not line.strip() or not line.isprintable():
-                yield Fault("setup", f"{line!r} is not one line.", "Write a list, line by line.")
+                yield messages.NOT_ONE_LINE.fault("setup", given=line)
         for option in self.options:
             yield from _faults_of_option(option)
 
@@ -123,12 +113,12 @@ class ClusterOptions:
 def _faults_of_option(option: str) -> Iterator[Fault]:
     form = _OPTION.fullmatch(option)
     if form is None or not option.isprintable():
-        yield Fault("options", f"{option!r} is no directive.", 'Write it like "--mem=4G".')
+        yield messages.NO_DIRECTIVE.fault("options", given=option)
         return
     # sbatch understands the beginning of a name too.
     name = form["name"]
     for directive, key in _KEYS.items():
         if directive.startswith(name):
-            yield Fault("options", f"{option!r} has a key of its own.", f"Use {key}.")
+            yield messages.HAS_A_KEY.fault("options", given=option, key=key)
     if any(directive.startswith(name) for directive in _DECIDED):
-        yield Fault("options", f"{option!r} is for grainfit to decide.", "Remove it.")
+        yield messages.DECIDED.fault("options", given=option)

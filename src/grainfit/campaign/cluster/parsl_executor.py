@@ -31,6 +31,7 @@ from parsl.executors.high_throughput.executor import (
 from parsl.executors.status_handling import BlockProviderExecutor
 from parsl.logconfigs.file import FileLogging
 
+from grainfit.campaign import messages
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.cluster.slurm import END_SECONDS, GiveUp, Slurm
 from grainfit.campaign.pending import ClusterJob
@@ -130,7 +131,8 @@ def _own_config(reference: str) -> Config:
     except Exception as error:
         raise GrainfitError(f"{reference}: {type(error).__name__}: {error}") from error
     if not isinstance(config, Config):
-        raise GrainfitError(f"{reference} is a {type(config).__name__}, not a parsl.Config.")
+        kind = type(config).__name__
+        raise GrainfitError(messages.NO_CONFIG(reference=reference, kind=kind))
     for executor in config.executors:
         if (
             isinstance(executor, HighThroughputExecutor)
@@ -184,10 +186,8 @@ class _Jobs(Executor):
         """Fail all runs once an interchange has ended; Parsl would wait for them forever."""
         while not self._ending.wait(_HEARTBEAT_SECONDS):
             if any(process.poll() is not None for process in self._interchanges()):
-                error = ExecutorError(
-                    "Parsl's interchange, which connects to the jobs of the cluster, was ended. "
-                    f"Its log is in {self._kernel.run_dir}. Start again to continue."
-                )
+                folder = self._kernel.run_dir
+                error = ExecutorError(messages.INTERCHANGE_ENDED(folder=folder))
                 for future in list(self._open):
                     self._settle(future, None, error)
 

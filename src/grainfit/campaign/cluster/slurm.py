@@ -15,6 +15,7 @@ from parsl.jobs.states import TERMINAL_STATES, JobState, JobStatus
 from parsl.providers import SlurmProvider
 from parsl.providers.errors import SubmitException
 
+from grainfit.campaign import messages
 from grainfit.errors import ExecutorError
 
 _STATUS_SECONDS = 10
@@ -169,8 +170,8 @@ class GiveUp:
         return time.monotonic() - self._ended[failed[-1]] > seconds
 
     def _give_up(self, executor: BlockProviderExecutor, why: str) -> None:
-        reason = f"no job of the cluster starts: {why.rstrip('.')}. Scripts and output of the jobs"
-        reason += f" are in {self._provider.script_dir}."
+        folder = self._provider.script_dir
+        reason = messages.NO_JOB_STARTS(reason=why.rstrip("."), folder=folder)
         executor.set_bad_state_and_fail_all(ExecutorError(reason))
 
 

@@ -10,6 +10,7 @@ from urllib.parse import quote, quote_plus, unquote
 import sqlalchemy as sql
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 
+from grainfit.campaign import messages
 from grainfit.errors import StoreError
 
 _HIDDEN = "***"
@@ -57,9 +58,8 @@ class StoreAddress:
             url.get_dialect()
         except (ArgumentError, NoSuchModuleError, ValueError):
             # The cause would quote parts of the address.
-            raise StoreError(
-                f"{safe_address(address)!r} is not the address of a database. {_advice(address)}"
-            ) from None
+            shown, remedy = safe_address(address), _advice(address)
+            raise StoreError(messages.NO_ADDRESS(address=shown, remedy=remedy)) from None
         shown = _shown(url, address if isinstance(address, str) else "")
         return cls(url, shown, tuple(_hidden_parts(url, shown)))
 

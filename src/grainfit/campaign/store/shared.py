@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
+from grainfit.campaign import messages
 from grainfit.campaign.store.owner import earlier_owner, new_owner, note_owner
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import Claim, RunStore
@@ -307,15 +308,12 @@ class SharedRuns:
             if self._outage is not None:
                 away = time.monotonic() - self._outage.since
                 self._outage = None
-                self._notices.append(f"The store {self.place} is back after {away:.0f} s.")
+                self._notices.append(messages.STORE_BACK(store=self.place, seconds=away))
 
     def _given_up(self) -> StoreError:
         error = self._outage.error if self._outage else ""
         patience = self._timing.patience_seconds
-        return StoreError(
-            f"{error} It was tried again for {patience:g} s. Finished runs are kept; start again "
-            "to continue."
-        )
+        return StoreError(messages.STORE_AWAY(reason=error, seconds=patience))
 
 
 def _twice(

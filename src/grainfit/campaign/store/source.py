@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from grainfit.campaign import messages
 from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
 from grainfit.errors import InputError
 
@@ -34,7 +35,7 @@ def open_source(source: str | Path, key: str = "runs_from") -> Iterator[RunStore
     else:
         folder = Path(source)
         if not (folder / STORE_NAME).is_file():
-            remedy = "Name the folder that 'grainfit run' wrote, or the address of a store."
+            remedy = messages.FOLDER_OR_ADDRESS()
             raise InputError(replace(not_a_work_folder(source, key), remedy=remedy))
         store = RunStore.read_only(folder)
     try:

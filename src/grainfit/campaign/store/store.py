@@ -25,6 +25,7 @@ from sqlalchemy.exc import (
 )
 from sqlalchemy.pool import StaticPool
 
+from grainfit.campaign import messages
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.address import StoreAddress, safe_address
 from grainfit.campaign.store.causes import remedy
@@ -158,18 +159,17 @@ class RunStore:
         try:
             return sql.create_engine(self._address.url, **options)
         except ImportError as error:
-            raise StoreError(
-                f"the run store {self._where} needs the Python package {error.name}, which is "
-                f"not installed. For PostgreSQL: {how_to_install('postgresql')}"
-            ) from error
+            install = how_to_install("postgresql")
+            text = messages.NO_DRIVER(store=self._where, package=error.name, install=install)
+            raise StoreError(text) from error
         except (ArgumentError, TypeError, ValueError) as error:
             raise self._unusable(error, "Check its address.") from None
 
     def _unusable(
         self, cause: BaseException, remedy: str, kind: type[StoreError] = StoreError
     ) -> StoreError:
-        words = self._address.without_secrets(str(cause))
-        return kind(f"the run store {self._where} cannot be used: {words}. {remedy}")
+        reason = self._address.without_secrets(str(cause))
+        return kind(messages.STORE_UNUSABLE(store=self._where, reason=reason, remedy=remedy))
 
     @classmethod
     def in_folder(cls, folder: Path) -> RunStore:
@@ -178,7 +178,8 @@ class RunStore:
         log = path.with_name(f"{STORE_NAME}-wal")
         # SQLite would take an empty file for a new store, and drop the log.
         if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
-            raise StoreError(f"the run store {path} is damaged: it is empty. {_RENEW}")
+            text = messages.STORE_DAMAGED(store=path, reason="it is empty", remedy=_RENEW)
+            raise StoreError(text)
         store = cls(sql.URL.create("sqlite", database=str(path)), path=path)
         store._hold_log()
         store._files = (_File(path), _File(log))
@@ -221,30 +222,21 @@ class RunStore:
         with self._reading() as connection:
             version = schema.version_of(connection)
         if version is None:
-            raise StoreError(f"the run store {self._where} is empty: nothing was run yet.")
+            raise StoreError(messages.STORE_EMPTY(store=self._where))
         self._require_version(version, OLDEST_READABLE)
 
     def _require_version(self, version: int, oldest: int) -> None:
         self._version = version
         if version > SCHEMA_VERSION:
             raise StoreError(
-                f"the run store {self._where} has schema version {version}, this grainfit "
-                f"reads version {SCHEMA_VERSION}. Use the grainfit version that wrote it, or "
-                "another work folder."
+                messages.STORE_TOO_NEW(store=self._where, version=version, own=SCHEMA_VERSION)
             )
         if version < oldest:
-            raise StoreError(
-                f"the run store {self._where} has the older schema version {version}. Start "
-                "'grainfit run' in its work folder once: that brings it up to date."
-            )
+            raise StoreError(messages.STORE_TOO_OLD(store=self._where, version=version))
 
     def _require_file(self) -> None:
         if not all(file.is_there() for file in self._files):
-            raise StoreError(
-                f"the run store {self._where}, or the {STORE_NAME}-wal beside it, was removed or "
-                "replaced while it was in use. Start "
-                "again: that continues with the runs whose folders still exist."
-            )
+            raise StoreError(messages.STORE_REMOVED(store=self._where, name=STORE_NAME))
 
     @contextmanager
     def _transaction(self) -> Iterator[sql.Connection]:
@@ -301,7 +293,8 @@ class RunStore:
 
     def damaged(self, why: str) -> StoreError:
         """Return the error of a store with unusable contents."""
-        return StoreError(f"the run store {self._where} is damaged: {why}. {_RENEW}")
+        text = messages.STORE_DAMAGED(store=self._where, reason=why, remedy=_RENEW)
+        return StoreError(text)
 
     def _hold_log(self) -> None:
         """Keep a connection that no query uses.
@@ -644,17 +637,14 @@ def _remove_passwords(connection: sql.Connection) -> None:
 
 def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
     """Return the fault of a folder that has no store."""
-    return Fault(
-        key,
-        f"{safe_address(folder)!r} is not a work folder of grainfit: it has no {STORE_NAME}.",
-        "Name the folder that 'grainfit run' wrote.",
-    )
+    shown = safe_address(folder)
+    return messages.NO_WORK_FOLDER.fault(key, folder=shown, store=STORE_NAME)
 
 
 def _path(folder: Path) -> Path:
     path = folder / STORE_NAME
     if path.is_dir():
-        raise StoreError(f"the run store {path} is a folder, not a file. {_RENEW}")
+        raise StoreError(messages.STORE_IS_FOLDER(store=path, remedy=_RENEW))
     return path
 
 

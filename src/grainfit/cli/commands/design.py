@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.advice_options import (
     Accuracies,
     MaxTime,
@@ -19,7 +20,7 @@ from grainfit.cli.advice_options import (
 )
 from grainfit.cli.consoles import out
 from grainfit.cli.options import Workers, workdir_option
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 
 _PlanPath = Annotated[
     Path,
@@ -85,5 +86,5 @@ def _share(text: str) -> float:
 
     share = percentage(text)
     if share is None or not share > 0:
-        raise InputError(Fault("wanted", f"is {text!r}.", "Give a percentage above 0, as 20%."))
+        raise InputError(messages.NO_SHARE.fault("wanted", given=text))
     return share

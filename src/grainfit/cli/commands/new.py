@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.asking import can_ask, choose
 from grainfit.cli.completion import complete_material
 from grainfit.cli.consoles import out_remarks
 from grainfit.cli.help_texts import shown_default
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
 
 _Tests = Annotated[
@@ -60,9 +61,7 @@ def new(
     _write_new(file, starter_file(test or ["heap"], begin, solver))
     if begin is not None:
         show.print_starting_intervals(out_remarks, begin)
-    out_remarks.print(
-        f"Wrote {file}. Edit it, then: grainfit check {file}", highlight=False, markup=False
-    )
+    out_remarks.print(messages.WRITTEN(file=file), highlight=False, markup=False)
 
 
 def _write_new(file: Path, text: str) -> None:
@@ -70,11 +69,10 @@ def _write_new(file: Path, text: str) -> None:
         with file.open("x", encoding="utf-8") as target:
             target.write(text)
     except FileExistsError:
-        raise InputError(
-            Fault("", f"{str(file)!r} exists already.", "Choose another name.")
-        ) from None
+        raise InputError(messages.EXISTS.fault("", file=str(file))) from None
     except OSError as error:
-        raise InputError(Fault("", f"{str(file)!r} cannot be written: {error.strerror}.")) from None
+        fault = messages.CANNOT_BE_WRITTEN.fault("", file=str(file), reason=error.strerror)
+        raise InputError(fault) from None
 
 
 def _ask_for_material() -> list[str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.consoles import err, err_remarks, out_remarks
 from grainfit.cli.interruption import interruption
 from grainfit.cli.options import OpenAfterwards, WorkFolder, open_in_browser, output_option
@@ -72,5 +73,4 @@ def _write_if_possible(workdir: Path) -> None:
         if interruption.count > before:
             reason = "stopped"
     folder = shlex.quote(str(workdir))
-    text = f"No report was written ({reason}). 'grainfit report {folder}' tries again."
-    show.print_warning(err, text)
+    show.print_warning(err, messages.NO_REPORT(reason=reason, folder=folder))

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from grainfit.cli import messages
 from grainfit.cli.completion import complete_run
 from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.options import CalibrationPath, WorkFolder, workdir_option
 from grainfit.cli.verbosity import CommandLine
-from grainfit.errors import Fault, InputError, StoreError
+from grainfit.errors import InputError, StoreError
 
 if TYPE_CHECKING:
     from grainfit.campaign.store.records import RunRecord
@@ -216,6 +217,7 @@ def _numbered(folder: Path, number: int) -> str:
     runs = list(evaluations[number - 1].runs.values()) if 0 < number <= len(evaluations) else []
     if len(runs) > 1:
         names = ", ".join(run[:_NAME] for run in runs)
-        words = f"run {number} has {len(runs)} simulations: {names}."
-        raise InputError(Fault("", words, "Give the name of one of them."))
+        raise InputError(
+            messages.SEVERAL_SIMULATIONS.fault("", number=number, count=len(runs), names=names)
+        )
     return runs[0] if runs else ""

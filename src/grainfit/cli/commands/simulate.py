@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.consoles import err_remarks, out, out_remarks
 from grainfit.cli.exit_codes import BAD_INPUT
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.options import CalibrationPath, Workers, settings_option, workdir_option
 from grainfit.cli.simulating import simulating
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 
 if TYPE_CHECKING:
     from grainfit.analysis.scatter import RepeatedRuns
@@ -113,10 +114,9 @@ def simulate(
 def _frames_to_film(animated: bool, frames: int | None, repeat: int) -> int:
     """Return the largest number of frames of an animation; 0 for none."""
     if frames is not None and not animated:
-        raise InputError(Fault("", "--frames is for --animate.", "Give both, or none."))
+        raise InputError(messages.FRAMES_WITHOUT_ANIMATION.fault(""))
     if animated and repeat > 1:
-        remedy = "Choose the run with --seed instead."
-        raise InputError(Fault("", "--animate shows one run, not --repeat of them.", remedy))
+        raise InputError(messages.ANIMATION_OF_ONE_RUN.fault(""))
     return (frames or _FRAMES) if animated else 0
 
 
@@ -156,7 +156,7 @@ def _animate(setup: CalibrationSetup, evaluation: Evaluation, folder: Path, fram
     from grainfit.animation.animation import animate
 
     def say(tests: list[str]) -> None:
-        text = f"Simulating {', '.join(tests)} again: the stored run has too few frames or none."
+        text = messages.SIMULATED_AGAIN(tests=", ".join(tests))
         out_remarks.print(text, highlight=False, markup=False)
 
     with simulating("animation"):

@@ -14,6 +14,7 @@ import typer
 from rich.console import Console
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.consoles import err, out
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.options import WorkFolder
@@ -87,7 +88,7 @@ def watching(folder: Path, port: int, open_page: bool) -> Iterator[None]:
     try:
         process = WatchProcess(folder, listening, token, ticket)
     except OSError as error:
-        show.print_warning(err, f"No page follows this run: {error.strerror}.")
+        show.print_warning(err, messages.NO_PAGE(reason=error.strerror))
         yield
         return
     try:

@@ -1,0 +1,110 @@
+"""Messages of campaigns: work folders, stores, workers and clusters."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+# Runs.
+NO_MORE_RUNS = Message(
+    "the executor takes no more runs: {reason}.",
+    "Finished runs are kept; start again to continue.",
+)
+CANNOT_BE_SENT = Message(
+    "a run cannot be sent to another process: {reason}.",
+    "Give a function that is defined at the top of a module, or use threads.",
+)
+WORKER_LOST = Message("the worker was lost: {kind}: {reason}")
+STOPPED_BY_USER = Message("stopped by the user")
+FOLDER_REMOVED = Message("the folder of the run was removed while it ran")
+FOLDER_NOT_KEPT = Message("the run's folder could not be kept: {reason}")
+UNEXPECTED = Message("unexpected {kind}: {reason}")
+NOT_FINITE = Message("response {name} is {value}")
+NAME_OF_FURTHER_RUNS = Message(
+    "is a name that further runs of a test have.", "Give the test another name."
+)
+NUMBER_AND_CURVE = Message(
+    "is a number in some runs and a curve in others.", "Let every run yield the same."
+)
+NOTHING_IN_COMMON = Message(
+    "of the runs have no coordinates in common.", "Let every run cover the same range."
+)
+
+# Work folder.
+FOLDER_UNUSABLE = Message(
+    "the work folder {folder!r} cannot be used: {reason}.", "Choose another with --workdir."
+)
+FOLDER_IN_USE = Message(
+    "the work folder {folder!r} is in use by process {process}.",
+    "Wait for it to end, or choose another folder with --workdir.",
+)
+NOT_LOCKED = Message("the work folder {folder!r} cannot be locked: {reason}.", "{remedy}.")
+NO_LOCKS = Message(
+    "the work folder {folder!r} cannot be locked: {reason}. Its file system has no locks; without "
+    "them two starts would disturb each other, and the run store cannot be written.",
+    "{remedy}, or ask the administrator for locks (NFS: its lock service, Lustre: the mount option "
+    "flock).",
+)
+NO_WORK_FOLDER = Message(
+    "{folder!r} is not a work folder of grainfit: it has no {store}.",
+    "Name the folder that 'grainfit run' wrote.",
+)
+FOLDER_OR_ADDRESS = Message("Name the folder that 'grainfit run' wrote, or the address of a store.")
+
+# Store.
+NO_DRIVER = Message(
+    "the run store {store} needs the Python package {package}, which is not installed.",
+    "For PostgreSQL: {install}",
+)
+STORE_UNUSABLE = Message("the run store {store} cannot be used: {reason}.", "{remedy}")
+STORE_DAMAGED = Message("the run store {store} is damaged: {reason}.", "{remedy}")
+STORE_IS_FOLDER = Message("the run store {store} is a folder, not a file.", "{remedy}")
+STORE_EMPTY = Message("the run store {store} is empty: nothing was run yet.")
+STORE_TOO_NEW = Message(
+    "the run store {store} has schema version {version}, this grainfit reads version {own}.",
+    "Use the grainfit version that wrote it, or another work folder.",
+)
+STORE_TOO_OLD = Message(
+    "the run store {store} has the older schema version {version}.",
+    "Start 'grainfit run' in its work folder once: that brings it up to date.",
+)
+STORE_REMOVED = Message(
+    "the run store {store}, or the {name}-wal beside it, was removed or replaced while it was in "
+    "use.",
+    "Start again: that continues with the runs whose folders still exist.",
+)
+STORE_AWAY = Message(
+    "{reason} It was tried again for {seconds:g} s.",
+    "Finished runs are kept; start again to continue.",
+)
+STORE_BACK = Message("The store {store} is back after {seconds:.0f} s.")
+NO_ADDRESS = Message("{address!r} is not the address of a database.", "{remedy}")
+
+# Cluster.
+NO_SCHEDULER = Message("{command} is not found: the runs are executed on this machine.")
+PATH_FOR_SCRIPTS = Message(
+    "the work folder {folder!r} cannot be used on a cluster: scripts of jobs cannot have such a "
+    "path.",
+    "Choose one of letters (a to z), digits and _ . - with --workdir.",
+)
+NO_PARSL = Message("runs on a cluster need Parsl, which is not installed.", "{install}")
+NO_CONFIG = Message("{reference} is a {kind}, not a parsl.Config.")
+INTERCHANGE_ENDED = Message(
+    "Parsl's interchange, which connects to the jobs of the cluster, was ended. Its log is in "
+    "{folder}.",
+    "Start again to continue.",
+)
+NO_JOB_STARTS = Message(
+    "no job of the cluster starts: {reason}. Scripts and output of the jobs are in {folder}."
+)
+
+# Options of a cluster.
+NOT_KNOWN = Message("is {given!r}.", "There is: {known}.")
+BELOW_ONE = Message("is {given}.", "It must be at least 1.")
+BESIDE_PARSL = Message("has no effect beside parsl.", "Set it in your Parsl configuration instead.")
+NO_NAME = Message("{given!r} cannot be a name.", "Use letters (a to z), digits and _ . , : @ + -")
+NO_WALLTIME = Message("is missing.", 'Set how long a job may last: walltime = "2 h".')
+WALLTIME = Message("is {given:g} s.", "It must be from 1 minute to 1 year.")
+NOT_ONE_LINE = Message("{given!r} is not one line.", "Write a list, line by line.")
+NO_DIRECTIVE = Message("{given!r} is no directive.", 'Write it like "--mem=4G".')
+HAS_A_KEY = Message("{given!r} has a key of its own.", "Use {key}.")
+DECIDED = Message("{given!r} is for grainfit to decide.", "Remove it.")

@@ -1,0 +1,37 @@
+"""Messages of the command line."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+INTERRUPTED = Message("Interrupted.")
+STOPPED = Message("Interrupted. Finished runs are kept; start again to continue.")
+NO_MEMORY = Message(
+    "The machine has no memory left{why}.", "Use fewer particles, or end other programs."
+)
+QUIET_AND_VERBOSE = Message("--quiet and --verbose exclude each other.")
+NOT_IN_LIST = Message("Choose from the list.")
+
+# Arguments.
+NO_NUMBER = Message("{given!r} is not a number.", "Write them as 1,4,16.")
+NO_TIME = Message("is {given!r}.", "Give a time above 0, as 10min.")
+NO_SHARE = Message("is {given!r}.", "Give a percentage above 0, as 20%.")
+FRAMES_WITHOUT_ANIMATION = Message("--frames is for --animate.", "Give both, or none.")
+ANIMATION_OF_ONE_RUN = Message(
+    "--animate shows one run, not --repeat of them.", "Choose the run with --seed instead."
+)
+SEVERAL_SIMULATIONS = Message(
+    "run {number} has {count} simulations: {names}.", "Give the name of one of them."
+)
+
+# Files.
+EXISTS = Message("{file!r} exists already.", "Choose another name.")
+CANNOT_BE_WRITTEN = Message("{file!r} cannot be written: {reason}.")
+WRITTEN = Message("Wrote {file}. Edit it, then: grainfit check {file}")
+NO_REPORT = Message("No report was written ({reason}).", "'grainfit report {folder}' tries again.")
+
+# Beside a run.
+NO_PAGE = Message("No page follows this run: {reason}.")
+NOTIFICATION_FAILED = Message("The command of --notify failed: {reason}.")
+NOTIFICATION_TOO_LONG = Message("it took longer than {seconds:.0f} s and was ended")
+SIMULATED_AGAIN = Message("Simulating {tests} again: the stored run has too few frames or none.")
