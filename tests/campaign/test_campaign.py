@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from grainfit.campaign import messages
 from grainfit.campaign.campaign import RETRY_PAUSES, Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold, is_held
 from grainfit.campaign.store.store import RunStore
@@ -183,7 +184,7 @@ def test_a_work_folder_is_held_by_one_process(tmp_path: Path) -> None:
     assert not is_held(tmp_path)
     with hold(tmp_path):
         assert is_held(tmp_path)
-        with pytest.raises(StoreError, match="in use by process"), hold(tmp_path):
+        with pytest.raises(StoreError, match=messages.FOLDER_IN_USE.pattern), hold(tmp_path):
             pass
     assert not is_held(tmp_path)
 
@@ -247,5 +248,5 @@ def test_worker_that_has_ended_one_of_several_tests_is_free_for_another_proposal
 def test_name_of_a_further_run_is_refused_for_a_test(tmp_path: Path) -> None:
     solvers = {"heap": Counting(), "heap, seed 2": Counting()}
 
-    with pytest.raises(InputError, match="Give the test another name"):
+    with pytest.raises(InputError, match=messages.NAME_OF_FURTHER_RUNS.pattern):
         Campaign(solvers, RunStore.in_folder(tmp_path), tmp_path)

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.campaign import messages
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import ExecutorError
@@ -75,14 +76,14 @@ def test_an_own_model_runs_in_other_processes(processes: Executor, tmp_path: Pat
 
 
 def test_a_function_that_cannot_be_sent_is_an_error_that_says_so(processes: Executor) -> None:
-    with pytest.raises(ExecutorError, match="cannot be sent to another process"):
+    with pytest.raises(ExecutorError, match=messages.CANNOT_BE_SENT.pattern):
         gf.calibrate(PROBLEM, lambda p, s: {"angle": 30.0}, executor=processes)
 
 
 def test_an_executor_that_is_broken_ends_the_calibration_and_loses_nothing(
     processes: Executor, tmp_path: Path
 ) -> None:
-    with pytest.raises(ExecutorError, match="start again to continue"):
+    with pytest.raises(ExecutorError, match=messages.NO_MORE_RUNS.pattern):
         gf.calibrate(
             PROBLEM,
             PythonCallable(die_at_first, identity="drum"),

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.campaign import messages
 from grainfit.campaign.folder_lock import hold, is_held
 
 HOLD = """
@@ -100,7 +101,8 @@ def test_run_without_locks_ends_at_once_with_the_reason(start: Start, tmp_path: 
     process = start(sys.executable, "-m", "grainfit", "run", "sand.toml", locks="fcntl:37")
     said = " ".join(process.communicate(timeout=60)[0].split())
     assert process.returncode == 1
-    assert "sand.grainfit' cannot be locked: No locks available" in said
+    assert messages.NOT_LOCKED.is_in(said)
+    assert "No locks available" in said
     assert "Traceback" not in said
     assert not (tmp_path / "sand.grainfit" / "runs.sqlite").exists()
 

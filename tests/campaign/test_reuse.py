@@ -15,6 +15,7 @@ import grainfit as gf
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import build_calibration
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.campaign import messages
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.records import RunRecord
 from grainfit.evaluation import Evaluation, Proposal, Response
@@ -241,6 +242,6 @@ def test_a_source_that_is_no_work_folder_is_an_error(
     tmp_path: Path, given: Callable[[Path], Any]
 ) -> None:
     problem, solver = drum()
-    with pytest.raises(gf.InputError, match=f"'{tmp_path}' is not a work folder of grainfit"):
+    with pytest.raises(gf.InputError, match=messages.NO_WORK_FOLDER.pattern):
         gf.calibrate(problem, solver, runs_from=given(tmp_path))
     assert not list(tmp_path.iterdir())

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 import sqlalchemy as sql
 
+from grainfit.campaign import messages
 from grainfit.campaign import work_folder as workdir
 from grainfit.campaign.store.records import RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.store import RunStore
@@ -105,7 +106,7 @@ def test_a_store_of_another_version_is_refused(tmp_path: Path) -> None:
     RunStore.in_folder(tmp_path).close()
     with sqlite3.connect(tmp_path / "runs.sqlite") as connection:
         connection.execute("UPDATE about SET schema_version = 99")
-    with pytest.raises(StoreError, match="version 99"):
+    with pytest.raises(StoreError, match=messages.STORE_TOO_NEW.pattern):
         RunStore.in_folder(tmp_path)
 
 
@@ -227,7 +228,7 @@ def test_a_kill_while_a_run_folder_is_thinned_out_does_not_cost_the_run(
 def test_a_folder_in_place_of_the_store_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:
     (tmp_path / "runs.sqlite").mkdir()
     for opened in (RunStore.in_folder, RunStore.read_only):
-        with pytest.raises(StoreError, match=r"is a folder.* Move runs\.sqlite away"):
+        with pytest.raises(StoreError, match=messages.STORE_IS_FOLDER.pattern):
             opened(tmp_path)
 
 
@@ -313,6 +314,6 @@ def test_log_removed_while_the_store_is_in_use_is_told(tmp_path: Path) -> None:
     store = RunStore.in_folder(tmp_path)
     store.save(RunRecord("a", "heap", "finished", RUN))
     (tmp_path / "runs.sqlite-wal").unlink()
-    with pytest.raises(StoreError, match=r"runs\.sqlite-wal beside it, was removed"):
+    with pytest.raises(StoreError, match=messages.STORE_REMOVED.pattern):
         store.save(RunRecord("b", "heap", "finished", RUN))
     store.close()

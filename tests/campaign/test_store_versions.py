@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import grainfit
+from grainfit.campaign import messages
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
@@ -87,9 +88,7 @@ def test_an_interrupted_calibration_of_an_older_version_can_be_read(old: Path) -
 
 def test_status_of_an_older_store_says_what_to_do_and_leaves_it_as_it_is(old: Path) -> None:
     before = (old / "runs.sqlite").read_bytes()
-    with pytest.raises(
-        StoreError, match=r"older schema version 1\. Start 'grainfit run' in its work folder once"
-    ):
+    with pytest.raises(StoreError, match=messages.STORE_TOO_OLD.pattern):
         read_status(old)
     done = subprocess.run(
         [sys.executable, "-m", "grainfit", "status", old],

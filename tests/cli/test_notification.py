@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from grainfit.cli import notification
+from grainfit.cli import messages, notification
 from grainfit.cli.notification import notifying
 
 FILE = """
@@ -94,7 +94,7 @@ def test_a_command_that_fails_is_a_warning(tmp_path: Path) -> None:
     done = grainfit(tmp_path, "echo told; exit 7")
     assert done.returncode == 0
     assert "told" in done.stdout
-    assert done.stderr.splitlines()[-1] == "The command of --notify failed: exit code 7."
+    assert done.stderr.splitlines()[-1] == messages.NOTIFICATION_FAILED(reason="exit code 7")
 
 
 def test_a_command_that_hangs_is_ended_with_all_that_it_started(
@@ -105,7 +105,7 @@ def test_a_command_that_hangs_is_ended_with_all_that_it_started(
     with notifying(f"sleep 300 & echo $! > {tmp_path / 'pid'}; wait", tmp_path):
         pass
     assert time.monotonic() - started < 30
-    assert "took longer than 1 s" in capfd.readouterr().err
+    assert messages.NOTIFICATION_TOO_LONG(seconds=1) in capfd.readouterr().err
     process = Path(f"/proc/{(tmp_path / 'pid').read_text().strip()}/stat")
     deadline = time.monotonic() + 10
     while process.exists() and process.read_text().split()[2] != "Z":

@@ -17,6 +17,7 @@ from typer.testing import CliRunner, Result
 from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.campaign import messages
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.records import RunRecord
@@ -313,7 +314,7 @@ def test_show_tells_everything_of_a_run_by_the_beginning_of_its_identity(tmp_pat
         grainfit("runs", "show", folder, "1")
     with pytest.raises(InputError, match="there is no run 'abc'"):
         grainfit("runs", "show", folder, "abc")
-    with pytest.raises(InputError, match="not a work folder"):
+    with pytest.raises(InputError, match=messages.NO_WORK_FOLDER.pattern):
         grainfit("runs", "show", tmp_path, "abc")
 
 
@@ -696,7 +697,7 @@ def test_pruning_keeps_record_logs_and_pictures_and_touches_nothing_else(tmp_pat
     mine.mkdir()
     (mine / "notes.txt").write_text("mine")
     untouched = {path: names(path) for path in (broken, outside, partial, mine)}
-    with hold(folder), pytest.raises(StoreError, match="in use by process"):
+    with hold(folder), pytest.raises(StoreError, match=messages.FOLDER_IN_USE.pattern):
         prune_runs(folder)
     assert "snapshots" in names(finished)
     said = grainfit("runs", "prune", folder).stdout
@@ -711,7 +712,7 @@ def test_pruning_keeps_record_logs_and_pictures_and_touches_nothing_else(tmp_pat
 
 
 def test_pruning_refuses_what_is_no_work_folder_and_runs_elsewhere(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is not a work folder"):
+    with pytest.raises(InputError, match=messages.NO_WORK_FOLDER.pattern):
         prune_runs(tmp_path)
     folder = work(tmp_path / "work", record(1))
     outside = run_folder(tmp_path / "elsewhere", record(1))

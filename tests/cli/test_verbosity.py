@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
+from grainfit.cli import messages
 from grainfit.cli.app import app
 
 MODEL = """
@@ -181,7 +182,7 @@ def test_new_asks_for_material_and_tests_on_a_terminal(tmp_path: Path) -> None:
         "new", "p.toml", folder=tmp_path, answers="wood\nplastic\nheap, 99\nheap, 4\n"
     )
     written = (tmp_path / "p.toml").read_text()
-    assert sent.count("Choose from the list.") == 2, sent
+    assert sent.count(messages.NOT_IN_LIST()) == 2, sent
     assert "STARTING VALUES for plastic pellets" in written
     assert re.findall(r'^type = "(\w+)"', written, re.M) == ["heap", "drum"]
     shown = " ".join(sent.split())

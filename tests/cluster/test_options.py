@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.campaign import messages
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import GrainfitError, InputError
@@ -55,7 +56,7 @@ def test_without_parsl_it_is_said_how_to_get_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, "parsl", None)
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
-    with pytest.raises(GrainfitError, match=r"pip install 'grainfit\[parsl\]'"):
+    with pytest.raises(GrainfitError, match=messages.NO_PARSL.pattern):
         cluster_executor(HOUR, tmp_path).__enter__()
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.campaign import messages
 from grainfit.campaign.cluster.executor import cluster_executor
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import GrainfitError
@@ -60,5 +61,5 @@ def test_runs_go_through_it_and_nothing_is_left_anywhere_else(own: Path) -> None
 
 def test_something_else_than_a_configuration_is_refused(own: Path) -> None:
     options = ClusterOptions(parsl=f"{own}:number")
-    with pytest.raises(GrainfitError, match=r"my_parsl.py:number is a int, not a parsl.Config"):
+    with pytest.raises(GrainfitError, match=messages.NO_CONFIG.pattern):
         cluster_executor(options, own.with_name("work")).__enter__()
