@@ -36,9 +36,10 @@ import numpy as np
 import grainfit
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale, without_rounding_error
-from grainfit.campaign.batch import simulate_once
+from grainfit.campaign.batch import simulate_batch
+from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import GrainfitError, RunFailedError
-from grainfit.evaluation import scalars
+from grainfit.evaluation import Proposal, scalars
 from grainfit.formatting import percent, short_names
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
@@ -215,7 +216,9 @@ def _measure(solvers: Mapping[str, Solver], seeds: int, folder: Path) -> dict[st
     with (folder / "measuring").open("w") as turn:
         flock(turn, LOCK_EX)
         for seed in range(900_001, 900_001 + seeds):
-            evaluation, _ = simulate_once(solvers, {}, seed, folder, keep="results")
+            proposal = Proposal({}, seed, "design")
+            options = CampaignOptions(len(solvers), keep="results")
+            [evaluation] = simulate_batch(solvers, [proposal], folder, options)
             for key, response in scalars(evaluation.responses).items():
                 found.setdefault(key, []).append(response.value)
             failures.update(f"{test}: {why}" for test, why in evaluation.failures.items())

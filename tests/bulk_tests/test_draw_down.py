@@ -18,7 +18,8 @@ from grainfit.bulk_tests.shared.validity import (
     require_foot_on_floor,
 )
 from grainfit.calibration_file.starter import starter_file
-from grainfit.campaign.batch import simulate_once
+from grainfit.campaign.batch import simulate_batch
+from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.starting_materials import read_starting_material
 from grainfit.measurement.height_map import HeightMap
@@ -144,7 +145,9 @@ def test_the_file_that_new_writes_gives_every_response(tmp_path: Path) -> None:
     path = tmp_path / "beads.toml"
     path.write_text(text, encoding="utf-8")
     setup = gf.load(path)
-    evaluation, _ = simulate_once(setup.solvers, setup.values([]), 1, tmp_path / "work")
+    proposal = gf.Proposal(setup.values([]), 1, "design")
+    options = CampaignOptions(1)
+    [evaluation] = simulate_batch(setup.solvers, [proposal], tmp_path / "work", options)
     assert evaluation.failures == {}
     assert set(evaluation.responses) == set(DrawDown.responses)
 

@@ -16,9 +16,11 @@ from grainfit.bulk_tests.own_scene import OwnScene, user_function
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.campaign.batch import simulate_once
+from grainfit.campaign.batch import run_folders, simulate_batch
+from grainfit.campaign.campaign import CampaignOptions
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
+from grainfit.evaluation import Proposal
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.run_definition import RunDefinition
@@ -286,10 +288,11 @@ def test_a_file_is_checked_and_simulated_and_a_known_run_is_not_repeated(
     assert plan.problems == ()
     assert any(f"{beads}:scene" in line for line in plan.executes)
     assert any("3 particles" in line for line in plan.lines)
-    values, work = setup.values([]), tmp_path / "work"
-    once, folders = simulate_once(setup.solvers, values, 1, work)
+    proposal, work = Proposal(setup.values([]), 1, "design"), tmp_path / "work"
+    [once] = simulate_batch(setup.solvers, [proposal], work, CampaignOptions(1))
+    folders = run_folders(setup.solvers, once, work)
     assert once.responses["height"].value == pytest.approx(0.004975, abs=2e-6)
-    again, _ = simulate_once(setup.solvers, values, 1, work)
+    [again] = simulate_batch(setup.solvers, [proposal], work, CampaignOptions(1))
     assert again.reused == 1
     assert again.responses == once.responses
     # Measured again by the copy that was kept with the run, not by a file that has changed since.

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
-from grainfit.campaign.keep import Keep
 from grainfit.campaign.open_campaign import open_campaign
 from grainfit.campaign.work_folder import run_folder
 from grainfit.evaluation import Evaluation, Proposal, name_of_test
@@ -82,23 +81,29 @@ def simulate_batch(
     StoreError
         The folder cannot be used.
     """
-    evaluations: list[Evaluation] = []
     with open_campaign(solvers, folder, options) as campaign:
         if on_start is not None:
             on_start(_expected_work(campaign, proposals, options.workers))
-        end = None if max_seconds is None else time.monotonic() + max_seconds
         for proposal in proposals:
             campaign.start(proposal)
-        try:
-            while campaign.has_pending:
-                evaluations += campaign.wait(lambda: _stop_after(end))
-                if on_progress is not None:
-                    on_progress(len(evaluations), len(proposals))
-                # Short runs leave the wait before it looks at the time.
-                _stop_after(end)
-        except _TimeIsOverError:
-            campaign.cancel()
+        evaluations = []
+        for evaluation in _ended(campaign, max_seconds):
+            evaluations.append(evaluation)
+            if on_progress is not None:
+                on_progress(len(evaluations), len(proposals))
     return evaluations
+
+
+def _ended(campaign: Campaign, max_seconds: float | None) -> Iterator[Evaluation]:
+    """Yield what has ended, until nothing is pending or the time is over."""
+    end = None if max_seconds is None else time.monotonic() + max_seconds
+    try:
+        while campaign.has_pending:
+            yield from campaign.wait(lambda: _stop_after(end))
+            # Short runs leave the wait before it looks at the time.
+            _stop_after(end)
+    except _TimeIsOverError:
+        campaign.cancel()
 
 
 class _TimeIsOverError(Exception):
@@ -126,44 +131,6 @@ def _expected_work(campaign: Campaign, proposals: Sequence[Proposal], workers: i
     # However many workers there are, the longest run takes its time.
     longest = max(seconds, default=0.0)
     return ExpectedWork(len(costs), len(known), max(longest, sum(seconds) / workers))
-
-
-def simulate_once(
-    solvers: Mapping[str, Solver],
-    parameters: Mapping[str, float],
-    seed: int,
-    folder: Path,
-    timeouts: Mapping[str, float] | None = None,
-    keep: Keep = "all",
-) -> tuple[Evaluation, dict[str, Path]]:
-    """Run every test once, or find the run in the store of the folder.
-
-    Parameters
-    ----------
-    solvers : mapping of str to Solver
-        By name of the test.
-    parameters : mapping of str to float
-        Values of the free parameters.
-    seed : int
-        Insertion seed.
-    folder : Path
-        Work folder; it may be that of a calibration.
-    timeouts : mapping of str to float, optional
-        Longest wall time by name of the test, s.
-    keep : {"all", "results"}
-        Files of a run folder that are kept.
-
-    Returns
-    -------
-    evaluation : Evaluation
-        Responses and failures.
-    folders : dict of str to Path
-        Run folder by name of the test, for those solvers that use one.
-    """
-    options = CampaignOptions(len(solvers), timeouts or {}, keep=keep)
-    proposal = Proposal(dict(parameters), seed, "design")
-    [evaluation] = simulate_batch(solvers, [proposal], folder, options)
-    return evaluation, run_folders(solvers, evaluation, folder)
 
 
 def run_folders(

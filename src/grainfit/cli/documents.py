@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import scalars
 
 if TYPE_CHECKING:
     from grainfit.calibration_file.plan import Plan
     from grainfit.campaign.store.records import RunRecord
-    from grainfit.problem import Parameter
     from grainfit.result import Result
     from grainfit.work_folder.run_columns import RunColumns
     from grainfit.work_folder.status import WorkdirStatus
@@ -136,17 +135,13 @@ def plan_document(file: Path, plan: Plan) -> dict[str, Any]:
         "file": file,
         "name": plan.name,
         "is_ready": not plan.problems,
-        "parameters": [_free(parameter) for parameter in plan.parameters],
-        "targets": [
-            {"name": t.name, "value": t.value, "tolerance": t.tolerance, "unit": t.unit}
-            for t in plan.targets
+        "parameters": [
+            _fields(one, "name", "minimum", "maximum", "scale", "unit") for one in plan.parameters
         ],
+        "targets": [_fields(one, "name", "value", "tolerance", "unit") for one in plan.targets],
         "curves": [
             {
-                "name": curve.name,
-                "unit": curve.unit,
-                "coordinate": curve.coordinate,
-                "coordinate_unit": curve.coordinate_unit,
+                **_fields(curve, "name", "unit", "coordinate", "coordinate_unit"),
                 "points": len(curve.values),
             }
             for curve in plan.curves
@@ -159,14 +154,8 @@ def plan_document(file: Path, plan: Plan) -> dict[str, Any]:
     }
 
 
-def _free(parameter: Parameter) -> dict[str, Any]:
-    return {
-        "name": parameter.name,
-        "minimum": parameter.minimum,
-        "maximum": parameter.maximum,
-        "scale": parameter.scale,
-        "unit": parameter.unit,
-    }
+def _fields(source: object, *names: str) -> dict[str, Any]:
+    return {name: getattr(source, name, None) for name in names}
 
 
 def error_document(error: BaseException, message: str, code: int) -> dict[str, Any]:
@@ -178,11 +167,6 @@ def error_document(error: BaseException, message: str, code: int) -> dict[str, A
         "kind": type(error).__name__,
         "message": message,
         "source": source,
-        "faults": [_fault(fault) for fault in faults],
+        "faults": [_fields(fault, "key", "line", "message", "remedy") for fault in faults],
         "log_tail": error.log_tail if isinstance(error, RunFailedError) else "",
     }
-
-
-def _fault(fault: Fault) -> dict[str, Any]:
-    line = getattr(fault, "line", None)
-    return {"key": fault.key, "line": line, "message": fault.message, "remedy": fault.remedy}
