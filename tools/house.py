@@ -22,6 +22,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("lazy", "one_line"),
     ("errors",),
     ("messages",),
+    ("ground_messages",),
     ("checks", "extras", "units", "formatting", "files", "plain_data", "registration"),
     ("options", "tables", "verdict"),
     ("table_files",),

@@ -5,7 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from grainfit.errors import Fault, InputError
+from grainfit import ground_messages as messages
+from grainfit.errors import InputError
 
 
 def how_to_install(extra: str) -> str:
@@ -36,6 +37,6 @@ def import_extra(module: str, extra: str, user: str, instead: str = "") -> Any:
         return import_module(module)
     except ImportError as error:
         package = module.partition(".")[0]
-        message = f"{user} needs the Python package {package}, which is not installed."
         remedy = f"{how_to_install(extra)}. {instead}".rstrip()
-        raise InputError(Fault("", message, remedy)) from error
+        fault = messages.NOT_INSTALLED.fault("", user=user, package=package, remedy=remedy)
+        raise InputError(fault) from error

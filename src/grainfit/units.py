@@ -5,10 +5,10 @@ from __future__ import annotations
 import functools
 import math
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from grainfit.errors import GrainfitError
+from grainfit import ground_messages as messages
+from grainfit.errors import Fault, GrainfitError
 
 if TYPE_CHECKING:
     # Imported when the first quantity is read: it takes a third of a second.
@@ -44,16 +44,14 @@ class UnitError(GrainfitError, ValueError):
 
     Parameters
     ----------
-    message : str
-        Description of the fault, with the text.
-    remedy : str
-        Suggestion what to write instead.
+    fault : Fault
+        What is wrong with the text, and what to write instead.
     """
 
-    def __init__(self, message: str, remedy: str) -> None:
-        super().__init__(f"{message} {remedy}")
-        self.message = message
-        self.remedy = remedy
+    def __init__(self, fault: Fault) -> None:
+        super().__init__(f"{fault.message} {fault.remedy}")
+        self.message = fault.message
+        self.remedy = fault.remedy
 
 
 def to_unit(text: str, unit: str) -> float:
@@ -86,10 +84,10 @@ def to_unit(text: str, unit: str) -> float:
     """
     number, written_unit = _split(text, unit)
     if unit and not written_unit:
-        raise UnitError(f"{text!r} has no unit.", how_to_write(unit))
+        raise UnitError(messages.NO_UNIT.fault("", given=text, remedy=how_to_write(unit)))
     value = _convert(number, written_unit, unit, text) if written_unit else number
     if not math.isfinite(value):
-        raise UnitError(f"{text!r} is too large.", how_to_write(unit))
+        raise UnitError(messages.TOO_LARGE.fault("", given=text, remedy=how_to_write(unit)))
     return value
 
 
@@ -108,14 +106,12 @@ def to_si(text: str) -> tuple[float, str]:
     """
     _, written = _split(text, "")
     if not written:
-        raise UnitError(
-            f"{text!r} has no unit.", "Write a quantity with its unit, or a number without quotes."
-        )
+        raise UnitError(messages.NO_UNIT_AT_ALL.fault("", given=text))
     try:
         base = _base(_parse(written))
         unit = next((name for name in _SI_UNITS if _base(_parse(name)) == base), None)
     except _NotAUnitError as error:
-        raise UnitError(f"{error} in {text!r} is not a known unit.", how_to_write("m")) from None
+        raise _unknown_unit(error, text, "m") from None
     unit = f"{base:~C}".replace("**", "^") if unit is None else unit
     return to_unit(text, unit), unit
 
@@ -161,10 +157,12 @@ def powers(unit: str) -> tuple[int, int, int]:
     try:
         dimensions = dict(_parse(unit).dimensionality)
     except _NotAUnitError as error:
-        raise UnitError(f"{error} is not a known unit.", how_to_write("m")) from None
+        fault = messages.NOT_A_UNIT.fault("", unit=error, remedy=how_to_write("m"))
+        raise UnitError(fault) from None
     found = [round(float(dimensions.pop(name, 0))) for name in ("[mass]", "[length]", "[time]")]  # type: ignore[arg-type]
     if dimensions:
-        raise UnitError(f"{unit!r} is not made of mass, length and time.", how_to_write("m"))
+        fault = messages.NOT_MECHANICAL.fault("", unit=unit, remedy=how_to_write("m"))
+        raise UnitError(fault)
     return found[0], found[1], found[2]
 
 
@@ -186,43 +184,34 @@ def example_with(unit: str) -> str:
     return _EXAMPLES.get(unit, f"1.5 {unit}")
 
 
-@dataclass(frozen=True)
-class _Slip:
-    """A usual slip in a quantity, by what is written behind its first digits."""
-
-    behind_number: re.Pattern[str]
-    message: str
-    remedy: str
-
-
-_SLIPS = (
-    _Slip(
-        re.compile(","),
-        "has a comma.",
-        "Write a decimal point, and nothing between thousands.",
-    ),
-    _Slip(re.compile(r"\d{3}"), "has a space in its number.", "Write the number without spaces."),
-    _Slip(
-        re.compile(r"[^±+]*(?:±|\+/?-)"),
-        "has an uncertainty in it.",
-        'Write the value alone; that of a target has a key of its own: uncertainty = "1 %".',
-    ),
-)
+#: Usual slips in a quantity, by what is written behind its first digits.
+_SLIPS = {
+    re.compile(","): messages.COMMA,
+    re.compile(r"\d{3}"): messages.SPACE,
+    re.compile(r"[^±+]*(?:±|\+/?-)"): messages.UNCERTAINTY,
+}
 
 
 class _NotAUnitError(Exception):
     pass
 
 
+def _unknown_unit(unit: Exception, text: str, expected: str) -> UnitError:
+    remedy = how_to_write(expected)
+    return UnitError(messages.NOT_A_UNIT_IN.fault("", unit=unit, given=text, remedy=remedy))
+
+
 def _split(text: str, unit: str) -> tuple[float, str]:
     if len(text) > LONGEST_QUANTITY:
-        raise UnitError(f"{text[:20]!r}... is too long for a quantity.", how_to_write(unit))
+        remedy = how_to_write(unit)
+        raise UnitError(messages.TOO_LONG.fault("", beginning=text[:20], remedy=remedy))
     match = _QUANTITY.fullmatch(text.strip())
     if match is None:
-        raise UnitError(f"{text!r} is not a quantity.", how_to_write(unit))
-    for slip in _SLIPS:
-        if slip.behind_number.match(match["unit"]):
-            raise UnitError(f"{text!r} {slip.message}", slip.remedy)
+        remedy = how_to_write(unit)
+        raise UnitError(messages.NOT_A_QUANTITY.fault("", given=text, remedy=remedy))
+    for behind_number, slip in _SLIPS.items():
+        if behind_number.match(match["unit"]):
+            raise UnitError(slip.fault("", given=text))
     return float(match["number"]), match["unit"]
 
 
@@ -235,17 +224,18 @@ def _convert(number: float, written: str, expected: str, text: str) -> float:
         unit = _parse(written)
         # Base units are compared, not dimensions: to pint an angle is a pure number.
         if _base(unit) != _base(target):
-            message = f"cannot be converted to {expected}" if expected else "does not belong here"
-            raise UnitError(f"{text!r} has the unit {written}, which {message}.", remedy)
+            reason = f"cannot be converted to {expected}" if expected else "does not belong here"
+            raise UnitError(
+                messages.OTHER_UNIT.fault(
+                    "", given=text, written=written, reason=reason, remedy=remedy
+                )
+            )
         value = _registry().Quantity(number, unit).to(target).magnitude
     except _NotAUnitError as error:
-        raise UnitError(
-            f"{error} in {text!r} is not a known unit.", how_to_write(expected)
-        ) from None
+        raise _unknown_unit(error, text, expected) from None
     except (PintError, ArithmeticError):
-        raise UnitError(
-            f"{text!r} cannot be converted to {expected}.", how_to_write(expected)
-        ) from None
+        fault = messages.NOT_CONVERTED.fault("", given=text, unit=expected, remedy=remedy)
+        raise UnitError(fault) from None
     # Conversion loses the last digit: 9 mm must be 0.009 m, not 0.009000000000000001 m.
     return float(f"{value:.15g}")
 

@@ -111,13 +111,12 @@ def _limit(text: str, name: str, runs: RunColumns) -> float:
     except ValueError:
         unit = runs.units.get(name)
         if unit is None:
-            raise UnitError(
-                f"{text!r} is not a number.",
-                "What is given and yielded by models of your own is compared as it is.",
-            ) from None
+            remedy = "What is given and yielded by models of your own is compared as it is."
+            raise UnitError(Fault("", f"{text!r} is not a number.", remedy)) from None
         return to_unit(text, unit)
     if math.isnan(value):
-        raise UnitError(f"{text!r} is not a number.", "Nothing is above or below it.")
+        remedy = "Nothing is above or below it."
+        raise UnitError(Fault("", f"{text!r} is not a number.", remedy))
     return value
 
 
