@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.files import LARGEST_SERIES, LARGEST_TABLE, log_tail, read_within
 from grainfit.measurement.particles import Frame, Particles, read_dump, read_frames
+from grainfit.one_line import shortened
 from grainfit.scenes import messages
 
 SNAPSHOTS = "snapshots"
@@ -83,7 +84,7 @@ class RunOutput:
         self.folder = Path(folder)
 
     def __repr__(self) -> str:
-        return f"RunOutput({str(self.folder)!r})"
+        return f"RunOutput({shortened(str(self.folder))})"
 
     @cached_property
     def stages(self) -> tuple[StageEnd, ...]:
