@@ -12,7 +12,7 @@ import pytest
 
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
-from grainfit.cli import messages
+from grainfit.cli import messages as cli_messages
 from grainfit.errors import StoreError
 from grainfit.report import verdict_messages as messages
 from grainfit.work_folder.status import read_status
@@ -88,7 +88,7 @@ def test_a_report_that_cannot_be_written_costs_no_result(tmp_path: Path) -> None
     file = calibration(tmp_path)
     (tmp_path / "work" / "report.html").mkdir(parents=True)
     done = grainfit("run", file, "--workdir", "work", folder=tmp_path)
-    assert messages.NO_REPORT.is_in(done.stderr)
+    assert cli_messages.NO_REPORT.is_in(done.stderr)
     assert "work/report.html" in done.stderr
     assert json.loads((tmp_path / "work" / "result.json").read_text())["status"] == "calibrated"
     elsewhere = grainfit("report", "work", "--output", "sand.html", folder=tmp_path)
@@ -200,7 +200,7 @@ def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
     )
     assert "free parameter" in done.stdout
     refused = grainfit("new", "beads.toml", folder=tmp_path, code=1)
-    assert messages.EXISTS.is_in(refused.stderr)
+    assert cli_messages.EXISTS.is_in(refused.stderr)
     grainfit("new", "two.toml", "--test", "heap", "--test", "heap", folder=tmp_path)
     assert (tmp_path / "two.toml").read_text().count("[[test]]\n") == 2
     refused = grainfit("new", "three.toml", "--test", "no such", folder=tmp_path, code=1)
