@@ -1,61 +1,98 @@
-"""Check values from outside: arguments, files, custom models."""
+"""Checks before any run: each has a name, and finds what the user should know.
+
+A check is a function of one context, which yields keys of the calibration file, each with a line of
+text. It stands beside what it is about:
+
+    @check("few-particles", "warning")
+    def few_particles(context: CheckContext) -> Iterator[Found]:
+        \"\"\"Classes of sizes of which a test has only a few particles.\"\"\"
+        yield "particle.diameter", "..."
+
+That of a bulk test is registered in its ``checks``, any other one in
+`grainfit.calibration_file.check_registry`.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from numbers import Real
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Generic, Literal, TypeAlias, TypeVar
 
-from grainfit.errors import Fault
+#: A note is good to know. A warning says that runs may fail, or that results may mislead.
+Severity = Literal["note", "warning"]
+#: Key of the calibration file, ``""`` where none is concerned, and one line of text.
+Found: TypeAlias = tuple[str, str]
 
-
-def as_number(value: object) -> float:
-    """Return a value as a plain float; NaN if it is not a real number, or too large for a float.
-
-    A bool is not a number here: it is probably a comparison given by mistake.
-
-    Examples
-    --------
-    >>> as_number(3), as_number(True), as_number("3")
-    (3.0, nan, nan)
-    """
-    if not isinstance(value, Real) or isinstance(value, bool):
-        return math.nan
-    try:
-        return float(value)
-    except OverflowError:
-        return math.nan
+_Context = TypeVar("_Context")
+_AnyContext = TypeVar("_AnyContext", contravariant=True)
 
 
-#: Sizes of numbers that are computed with: products of several are numbers, too.
-SMALLEST, LARGEST = 1e-30, 1e30
-#: Smallest share of a number that floating-point numbers resolve with digits to spare.
-SMALLEST_SHARE = 1e-9
-#: Why a number is refused, and what to do.
-NOT_COMPUTABLE = f"Give 0, or a number of {SMALLEST:g} to {LARGEST:g} in size: check its unit."
-
-
-def is_computable(value: float) -> bool:
-    """Return True if a number is zero, or of a size that can be computed with.
-
-    Examples
-    --------
-    >>> is_computable(0.0), is_computable(-3e5), is_computable(5e-324), is_computable(1e300)
-    (True, True, False, False)
-    """
-    return value == 0 or SMALLEST <= abs(value) <= LARGEST
-
-
-def count_faults(given: Mapping[str, object]) -> list[Fault]:
-    """Return a fault for every value that is not a whole number from 1 on.
+@dataclass(frozen=True)
+class Finding:
+    """A line that a check has for the user.
 
     Parameters
     ----------
-    given : mapping of str to object
-        Values by name of the argument.
+    check : str
+        Name of the check.
+    severity : {"note", "warning"}
+        Whether it is good to know, or whether runs may fail or mislead.
+    text : str
+        One line.
+    key : str
+        Dotted key of the calibration file, ``test[0].`` before that of the first test; ``""``
+        where no key is concerned.
     """
-    return [
-        Fault(name, f"is {value!r}.", "Give a whole number from 1 on.")
-        for name, value in given.items()
-        if not isinstance(value, int) or isinstance(value, bool) or value < 1
-    ]
+
+    check: str
+    severity: Severity
+    text: str
+    key: str = ""
+
+
+@dataclass(frozen=True)
+class Check(Generic[_AnyContext]):
+    """A check with its name; see `check`.
+
+    Parameters
+    ----------
+    name : str
+        Stable name, such as ``"smooth-walls"``.
+    severity : {"note", "warning"}
+        That of its findings.
+    about : str
+        What it looks for, in one line.
+    find : callable
+        Yields keys and texts for a context.
+    """
+
+    name: str
+    severity: Severity
+    about: str
+    find: Callable[[_AnyContext], Iterable[Found]]
+
+    def __call__(self, context: _AnyContext) -> Iterator[Finding]:
+        """Yield the findings of the check in a context."""
+        for key, text in self.find(context):
+            yield Finding(self.name, self.severity, text, key)
+
+
+def check(
+    name: str, severity: Severity = "note"
+) -> Callable[[Callable[[_Context], Iterable[Found]]], Check[_Context]]:
+    """Return a decorator that makes a function a check, described by its docstring.
+
+    Parameters
+    ----------
+    name : str
+        Stable name, of lower-case words joined by hyphens.
+    severity : {"note", "warning"}
+        That of its findings.
+    """
+
+    def made(find: Callable[[_Context], Iterable[Found]]) -> Check[_Context]:
+        about = (find.__doc__ or "").strip().partition("\n")[0]
+        assert about, "a check that does not say what it looks for"
+        return Check(name, severity, about, find)
+
+    return made

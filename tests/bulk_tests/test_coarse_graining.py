@@ -10,6 +10,7 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.draw_down import DrawDown
 from grainfit.bulk_tests.heap import Heap
@@ -362,7 +363,8 @@ def test_no_factor_is_proposed_at_which_another_test_of_the_file_is_refused(tmp_
 def test_orifice_of_a_laboratory_that_is_narrow_for_the_real_particles_is_noted(
     test: BulkTest, words: str
 ) -> None:
-    found = [*test.notes({})]
+    checked = CheckedTest(test, {}, {}, {})
+    found = [one.text for check in test.checks for one in check(checked)]
 
     assert len(found) == bool(words)
     assert words in "".join(found)

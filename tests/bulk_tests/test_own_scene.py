@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import OwnScene, user_function
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.campaign.batch import run_folders, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
+from grainfit.checks import Finding
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Proposal
@@ -356,10 +358,14 @@ def test_enlarged_particles_are_noted_with_what_keeps_the_apparatus(beads: Path)
     real = ParticleSizes((0.01,))
     functions = {"scene": f"{beads}:scene", "measure": f"{beads}:measure"}
 
-    [note] = OwnScene(real.coarse_grained(2), **functions).notes({})
+    def findings(test: OwnScene) -> list[Finding]:
+        checked = CheckedTest(test, {}, {}, {})
+        return [finding for check in test.checks for finding in check(checked)]
 
-    assert "beads.py keeps the size of the apparatus if it takes lengths from sizes.real" in note
-    assert not [*OwnScene(real, **functions).notes({})]
+    [found] = findings(OwnScene(real.coarse_grained(2), **functions))
+
+    assert "beads.py keeps the size of the apparatus if it takes lengths from" in found.text
+    assert not findings(OwnScene(real, **functions))
 
 
 def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(

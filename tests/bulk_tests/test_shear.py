@@ -14,7 +14,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 import grainfit as gf
-from grainfit.analysis.stiffness_notes import stiffness_notes
+from grainfit.analysis.soft_particles import stiffness_notes
 from grainfit.bulk_tests.natural_units import natural_run
 from grainfit.bulk_tests.shear import Shear
 from grainfit.bulk_tests.shear.flow import Frame, block_mean, velocity_profile

@@ -436,8 +436,8 @@ def test_plan_shows_curves(setup: CalibrationSetup) -> None:
 
 def test_plan_counts_a_curve_as_a_target_at_least(write: Callable[..., Path]) -> None:
     head = HEAD + "other = { min = 2, max = 20 }\n"
-    lines = describe_plan(load_calibration(write(head=head))).lines
-    assert "2 free parameters and 1 target, curves included" in lines[-1]
+    notes = describe_plan(load_calibration(write(head=head))).notes
+    assert "2 free parameters and 1 target, curves included" in notes[0]
 
 
 def test_calibration_of_a_file_with_a_curve(

@@ -10,8 +10,7 @@ import pytest
 import grainfit as gf
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.calibration_file.run_time import expected_runs, run_time, shortening_notes
-from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
+from grainfit.calibration_file.run_time import RunTime, costs_of_runs, expected_runs, run_time
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
@@ -31,16 +30,21 @@ def setup(tmp_path: Path, *changes: tuple[str, str]) -> CalibrationSetup:
 
 
 def notes_on_density(tmp_path: Path, *changes: tuple[str, str]) -> list[str]:
-    beads = setup(tmp_path, *changes)
-    return list(solid_fraction_notes(beads.problem, beads.bulk_tests, beads.file.fixed))
+    return [note for note in setup(tmp_path, *changes).notes() if "out of reach" in note]
+
+
+def time_of(setup: CalibrationSetup) -> RunTime | None:
+    runs = expected_runs(setup.file, setup.problem)
+    costs = costs_of_runs(setup.problem, setup.solvers)
+    return run_time(runs, costs, setup.repeats, setup.workers)
 
 
 def test_time_is_that_of_the_runs_of_the_plan_by_the_workers(tmp_path: Path) -> None:
     beads = setup(tmp_path)
-    runs = expected_runs(beads)
+    runs = expected_runs(beads.file, beads.problem)
     cost = beads.solvers["heap"].estimate_cost(beads.problem.middle)
     assert cost is not None
-    time = run_time(beads, runs)
+    time = time_of(beads)
     assert time is not None
     fewest, most = runs.total
     assert time.seconds[1] == pytest.approx(-(-most // beads.workers) * cost.wall_seconds)
@@ -50,24 +54,23 @@ def test_time_is_that_of_the_runs_of_the_plan_by_the_workers(tmp_path: Path) -> 
     assert f"{runs.design} for the design, then usually {runs.after} to {4 * runs.after}" in line
     [line] = [line for line in lines if line.startswith("Time: ")]
     assert str(time) in line
-    assert list(shortening_notes(beads, time)) == []
+    assert not any("The calibration takes" in note for note in describe_plan(beads).notes)
 
 
 def test_budget_limits_the_time(tmp_path: Path) -> None:
     beads = setup(tmp_path, ("[[test]]", "[strategy]\nmax_runs = 10\nworkers = 1\n\n[[test]]"))
-    time = run_time(beads, expected_runs(beads))
+    time = time_of(beads)
     assert time is not None
-    assert time.seconds[1] == pytest.approx(10 * time.per_run["heap"])
+    assert time.seconds[1] == pytest.approx(10 * time.costs["heap"])
 
 
 def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Path) -> None:
     stiff = ('youngs_modulus = "0.36 MPa"', 'youngs_modulus = "100 MPa"')
     beads = setup(tmp_path, ('type = "heap"', WIDE), stiff)
-    time = run_time(beads, expected_runs(beads))
+    time = time_of(beads)
     assert time is not None
     assert time.is_long
-    [note] = shortening_notes(beads, time)
-    assert note in describe_plan(beads).notes
+    [note] = [n for n in describe_plan(beads).notes if n.startswith("The calibration takes")]
     assert "days" in str(time)
     modulus = re.search(r"particle\.youngs_modulus = (\S+) MPa", note)
     assert modulus is not None
@@ -77,9 +80,9 @@ def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Pa
     softer = setup(
         tmp_path, ('type = "heap"', WIDE), (stiff[0], f'youngs_modulus = "{modulus[1]} MPa"')
     )
-    assert f"to bulk densities, it would take {run_time(softer, expected_runs(softer))}" in note
+    assert f"to bulk densities, it would take {time_of(softer)}" in note
     usual = setup(tmp_path, stiff)
-    assert f"of that size, it would take {run_time(usual, expected_runs(usual))}" in note
+    assert f"of that size, it would take {time_of(usual)}" in note
 
 
 def test_timeout_is_noted_beside_a_test_whose_time_is_not_known(tmp_path: Path) -> None:
@@ -180,5 +183,5 @@ def test_nothing_is_said_where_a_packing_is_possible(
 
 def test_time_of_an_own_model_is_not_known(tmp_path: Path) -> None:
     own = gf.load(EXAMPLE.parents[1] / "own_model" / "calibration.toml")
-    assert run_time(own, expected_runs(own)) is None
+    assert time_of(own) is None
     assert describe_plan(own).seconds is None

@@ -8,7 +8,6 @@ import pytest
 
 import grainfit as gf
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Workspace
@@ -67,8 +66,8 @@ def write(place: Path, flow: str = "4 * friction", **changes: str) -> Path:
     return place / "sand.toml"
 
 
-def notes(place: Path, **changes: str) -> list[str]:
-    return list(same_simulation_notes(load_calibration_file(write(place, **changes)).tests))
+def notes_of(file: Path) -> list[str]:
+    return [note for note in gf.load(file).notes() if note.startswith("Tests ")]
 
 
 def test_tests_that_differ_in_their_evaluation_share_each_simulation(tmp_path: Path) -> None:
@@ -82,11 +81,11 @@ def test_tests_that_differ_in_their_evaluation_share_each_simulation(tmp_path: P
 
 
 def test_joined_tests_are_named_by_check_and_have_the_larger_time_out(tmp_path: Path) -> None:
-    file = load_calibration_file(write(tmp_path))
-    [joined] = file.tests
+    file = write(tmp_path)
+    [joined] = load_calibration_file(file).tests
     assert (joined.name, joined.responses) == ("angle_and_flow", ("angle", "flow"))
     assert joined.options["timeout"] == 90.0
-    [note] = same_simulation_notes(file.tests)
+    [note] = notes_of(file)
     assert "Tests angle and flow differ in their evaluation only" in note
 
 
@@ -109,7 +108,7 @@ def test_a_test_that_has_the_name_of_joined_ones_keeps_it(tmp_path: Path) -> Non
     third = '[[test]]\nname = "angle_and_flow"\ntype = "python"\nfunction = "push.py:push"\n'
     file.write_text(file.read_text() + third + "targets.force = { value = 1 }\n")
     assert gf.load(file).problem.responses == ("angle.angle", "flow.flow", "angle_and_flow.force")
-    [note] = same_simulation_notes(load_calibration_file(file).tests)
+    [note] = notes_of(file)
     assert "Make them one [[test]]" in note
 
 
@@ -129,12 +128,12 @@ def test_a_fault_after_joined_tests_names_the_table_of_the_file(tmp_path: Path) 
 def test_tests_with_another_simulation_are_left_alone(
     tmp_path: Path, change: dict[str, str]
 ) -> None:
-    assert notes(tmp_path, **change) == []
+    assert notes_of(write(tmp_path, **change)) == []
 
 
 @pytest.mark.parametrize("change", [{"response": "angle"}, {"more": "repeats = 2"}])
 def test_tests_that_cannot_be_joined_are_noted(tmp_path: Path, change: dict[str, str]) -> None:
-    [note] = notes(tmp_path, **change)
+    [note] = notes_of(write(tmp_path, **change))
     assert "Tests angle and flow differ at most in their evaluation" in note
     assert "let the function in evaluate return all their responses" in note
 

@@ -55,7 +55,7 @@ def test_check_says_what_was_measured(tmp_path: Path) -> None:
         "of 0.01 (0.5°) that is part of all intervals."
     ) in plan.lines
     # Two targets settle the two other parameters.
-    assert not any("free parameters and 2 targets" in line for line in plan.lines)
+    assert not any("free parameters and 2 targets" in line for line in plan.notes)
 
 
 @pytest.mark.parametrize(

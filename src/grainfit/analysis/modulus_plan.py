@@ -12,12 +12,12 @@ from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.reuse import needed_responses
-from grainfit.checks import count_faults
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
+from grainfit.validation import whole_number_faults
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class ModulusPlan:
     timeouts: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        faults = count_faults({"seeds": self.seeds, "workers": self.workers})
+        faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
         wrong = [f for f in self.factors if not (math.isfinite(f) and f > 0)]
         if wrong:
             faults.append(Fault("factors", f"{wrong[0]:g} is no factor.", "Give numbers above 0."))

@@ -18,12 +18,14 @@ from functools import cache, cached_property
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests import messages
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.refused_factor import with_factor
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
 from grainfit.bulk_tests.view import RunView, Shown
 from grainfit.bulk_tests.workload import Workload
+from grainfit.checks import Check
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Measured
 from grainfit.materials.diameters import Diameters
@@ -94,6 +96,8 @@ class ResponseInfo(MeasuredInfo):
         Whether zero and negative values are impossible.
     why : str
         Why nothing else is possible, as a sentence.
+    at_zero : str
+        What a value of exactly 0 means, where it is easily taken for another one.
     """
 
     example: str
@@ -102,6 +106,7 @@ class ResponseInfo(MeasuredInfo):
     highest: float = math.inf
     above_zero: bool = True
     why: str = ""
+    at_zero: str = ""
 
     @property
     def possible(self) -> Quantity:
@@ -172,8 +177,8 @@ class BulkTest(OneLine, ABC):
     #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
     #: 0 for the lower end, 1 for the upper.
     worse_ends: ClassVar[Mapping[str, int]] = {}
-    #: Rolling friction with walls below which particles roll for longer than the test waits.
-    least_wall_rolling_friction: ClassVar[float] = 0.0
+    #: Checks of the test in a calibration, before any run.
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = ()
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 
@@ -320,30 +325,6 @@ class BulkTest(OneLine, ABC):
         ----------
         material : mapping of str to float
             Material parameters by dotted name: those that are known.
-        """
-        return ()
-
-    def notes(self, material: Mapping[str, float]) -> Iterable[str]:  # noqa: ARG002
-        """Return what is to be known of the test before any run; nothing by default.
-
-        Parameters
-        ----------
-        material : mapping of str to float
-            Material parameters by dotted name: those that are known.
-        """
-        return ()
-
-    def remark_on(self, responses: Mapping[str, Measured]) -> str:  # noqa: ARG002
-        """Say what responses mean that are easily taken for others; nothing by default."""
-        return ""
-
-    def target_notes(self, measured: Mapping[str, float | None]) -> Iterable[str]:  # noqa: ARG002
-        """Return remarks on measurements that its geometry keeps out of reach; none by default.
-
-        Parameters
-        ----------
-        measured : mapping of str to float or None
-            Measured values by response, None for a curve.
         """
         return ()
 

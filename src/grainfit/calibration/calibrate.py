@@ -29,7 +29,6 @@ from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.source import open_source
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, recover
-from grainfit.checks import count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Problem
 from grainfit.result import Result
@@ -38,6 +37,7 @@ from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.budget import start_search
 from grainfit.strategies.registry import DEFAULT_STRATEGY, as_strategy
+from grainfit.validation import whole_number_faults
 from grainfit.verdict.options import VERDICT
 
 Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
@@ -247,11 +247,11 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
 def _repeats(given: int | Mapping[str, int], solvers: Mapping[str, Solver]) -> dict[str, int]:
     """Return the given runs per evaluation by name of the test."""
     if not isinstance(given, Mapping):
-        if faults := count_faults({"repeats": given}):
+        if faults := whole_number_faults({"repeats": given}):
             raise InputError(faults)
         # One run is the default, and leaves what the problem says of its tests.
         return {} if given == 1 else dict.fromkeys(solvers, given)
-    faults = count_faults({f"repeats.{test}": count for test, count in given.items()})
+    faults = whole_number_faults({f"repeats.{test}": count for test, count in given.items()})
     faults += _faults_of_names("repeats", given, solvers)
     if faults:
         raise InputError(faults)

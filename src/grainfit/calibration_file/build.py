@@ -15,19 +15,12 @@ from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.scopes import restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
-from grainfit.calibration_file.bulk_test_notes import bulk_test_notes
-from grainfit.calibration_file.contact_notes import contact_notes
+from grainfit.calibration_file.checks.context import context_of
+from grainfit.calibration_file.checks.registry import findings
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.calibration_file.number_notes import number_notes
-from grainfit.calibration_file.same_simulation import same_simulation_notes
 from grainfit.calibration_file.settings import quantity_of, set_values
-from grainfit.calibration_file.shape_notes import shape_notes
-from grainfit.calibration_file.size_notes import size_notes
-from grainfit.calibration_file.smooth_wall_notes import smooth_wall_notes
-from grainfit.calibration_file.solid_fraction_notes import solid_fraction_notes
-from grainfit.calibration_file.target_notes import target_notes
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
@@ -143,16 +136,9 @@ class CalibrationSetup:
         return {name: test for name, test in tests.items() if test is not None}
 
     def notes(self) -> tuple[str, ...]:
-        """Return notes on the choice of tests, free parameters and stiffness, before any run.
+        """Return what the checks of the calibration find, before any run.
 
-        They say which free parameters the tests will leave open, with tests to add, by how much
-        soft particles raise the responses, whether the contact law is the same for all solvers and
-        safe at the time step, which tests simulate the same, where particles are too few for their
-        sizes or more than a cylinder holds, which clumps are nearly spheres, which bulk densities
-        no solid fraction gives, which orifices may be blocked, which walls are too smooth for a bed
-        to come to rest, which geometry is too small for a target, and which tolerances are far
-        below the scatter.
-        ``grainfit check`` shows them.
+        ``grainfit check`` shows them, and more that need the cost of a run.
 
         Examples
         --------
@@ -160,25 +146,8 @@ class CalibrationSetup:
         >>> for note in gf.load("beads.toml").notes():  # doctest: +SKIP
         ...     print(note)
         """
-        # SciPy, which takes a second, is needed for this only.
-        from grainfit.analysis.coarse_graining_notes import coarse_graining_notes
-        from grainfit.analysis.stiffness_notes import stiffness_notes
-        from grainfit.which_test.narrowing import expected_narrowing
-
-        return (
-            *expected_narrowing(self.problem, self.solvers).notes,
-            *stiffness_notes(self.problem, self.bulk_tests, self.file.fixed),
-            *contact_notes(self.file, self.bulk_tests),
-            *coarse_graining_notes(self.solvers, self.problem),
-            *same_simulation_notes(self.file.tests),
-            *size_notes(self.bulk_tests),
-            *shape_notes(self.file),
-            *number_notes(self.bulk_tests),
-            *solid_fraction_notes(self.problem, self.bulk_tests, self.file.fixed),
-            *bulk_test_notes(self.problem, self.bulk_tests, self.file.fixed),
-            *smooth_wall_notes(self.problem, self.bulk_tests, self.file.fixed),
-            *target_notes(self.problem, self.bulk_tests, len(self.solvers)),
-        )
+        context = context_of(self.file, self.problem, self.solvers)
+        return tuple(finding.text for finding in findings(context))
 
     def calibrate(
         self,

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.calibration_file.line_numbers import key_lines
+from grainfit.checks import Finding
 from grainfit.errors import Fault, InputError
 from grainfit.options.places import FileFault, Findings, KeyPath, dotted
 
@@ -56,6 +58,32 @@ def faults_with_lines(
         fault if _has_line(fault) or fault.key in besides else _located(fault, lines)
         for fault in faults
     ]
+
+
+@dataclass(frozen=True)
+class FileFinding(Finding):
+    """A finding of a check, with the line of its key; None where the file does not have it."""
+
+    line: int | None = None
+
+
+def with_key_lines(path: Path, findings: Iterable[Finding]) -> tuple[FileFinding, ...]:
+    """Return findings with the lines of their keys.
+
+    Parameters
+    ----------
+    path : Path
+        The calibration file.
+    findings : iterable of Finding
+        What checks found.
+    """
+    lines = _lines(path)
+    found = []
+    for one in findings:
+        located = _located(Fault(one.key, one.text), lines) if one.key else None
+        line = located.line if isinstance(located, FileFault) else None
+        found.append(FileFinding(one.check, one.severity, one.text, one.key, line))
+    return tuple(found)
 
 
 def _has_line(fault: Fault) -> bool:

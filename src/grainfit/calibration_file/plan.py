@@ -9,21 +9,26 @@ from itertools import chain
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration_file.build import CalibrationSetup
-from grainfit.calibration_file.cohesion_lines import cohesion_lines
-from grainfit.calibration_file.contact_notes import chosen_model_lines
-from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
+from grainfit.calibration_file.checks.context import context_of
+from grainfit.calibration_file.checks.registry import findings
+from grainfit.calibration_file.contact_lines import chosen_model_lines, cohesion_lines
+from grainfit.calibration_file.fault_lines import (
+    FileFinding,
+    faults_with_lines,
+    with_key_lines,
+    with_lines,
+)
 from grainfit.calibration_file.run_time import (
     ExpectedRuns,
     RunTime,
+    costs_of_runs,
     expected_runs,
     run_time,
-    shortening_notes,
-    timeout_notes,
 )
-from grainfit.calibration_file.size_notes import size_lines
+from grainfit.calibration_file.size_lines import size_lines
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import Fault, GrainfitError, InputError
-from grainfit.formatting import counted, in_a_row
+from grainfit.formatting import in_a_row
 from grainfit.problem import CurveTarget, Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 
@@ -42,9 +47,8 @@ class Plan:
         Solvers, time step, and cost.
     executes : tuple of str
         Programs, functions and shell lines that a run executes.
-    notes : tuple of str
-        Free parameters that the tests will leave open, the effect of soft particles, and
-        differences of solvers.
+    findings : tuple of FileFinding
+        What the checks found, with its lines.
     problems : tuple of str
         Problems that keep it from running; empty when there are none.
     seconds : pair of float, optional
@@ -57,9 +61,14 @@ class Plan:
     curves: Sequence[CurveTarget]
     lines: tuple[str, ...]
     executes: tuple[str, ...]
-    notes: tuple[str, ...]
+    findings: tuple[FileFinding, ...]
     problems: tuple[str, ...]
     seconds: tuple[float, float] | None = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Texts of the findings."""
+        return tuple(finding.text for finding in self.findings)
 
 
 def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
@@ -106,21 +115,19 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         lines += describe_cluster(cluster)
         executes += [f"cluster: {line}" for line in executed_by(cluster)]
     time: RunTime | None = None
-    late: list[str] = []
+    costs: dict[str, float] = {}
     try:
         with with_lines(setup.file.path):
-            runs = expected_runs(setup)
+            runs = expected_runs(setup.file, setup.problem)
         if call_scenes or not any(map(_has_code, setup.solvers.values())):
-            time = run_time(setup, runs)
-            late = [*timeout_notes(setup)]
+            costs = costs_of_runs(setup.problem, setup.solvers)
+            time = run_time(runs, costs, setup.repeats, setup.workers)
         lines += _run_lines(setup, runs, time)
     except InputError as error:
         where = f"{error.source}: " if error.source else ""
         problems += [f"{where}{fault}" for fault in error.faults]
-    notes = [*setup.notes(), *late]
-    if time is not None:
-        notes += shortening_notes(setup, time)
     problem = setup.problem
+    context = context_of(setup.file, problem, setup.solvers, costs, time)
     return Plan(
         setup.name,
         problem.parameters,
@@ -128,7 +135,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         problem.curves,
         tuple(lines),
         tuple(executes),
-        tuple(notes),
+        with_key_lines(setup.file.path, findings(context)),
         tuple(problems),
         time.seconds if time else None,
     )
@@ -183,7 +190,6 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
 
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:
-    dimension = setup.problem.dimension
     yield (
         f"DEM runs: {runs.design} for the design, then usually {runs.after} to "
         f"{runs.most_after}, more where a run scatters by more than the tolerance; the last "
@@ -195,18 +201,3 @@ def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None
     for test, count in setup.repeats.items():
         if count > 1:
             yield f"Test {test}: the mean of {count} runs with different seeds is one evaluation."
-    dimension -= len(setup.problem.measured)
-    measured = len(setup.problem.responses)
-    if dimension > measured:
-        targets = counted(measured, "target")
-        if setup.problem.curves:
-            yield (
-                f"Note: {dimension} free parameters and {targets}, curves included. A curve can "
-                "determine several parameters if its shape depends on them: the intervals of the "
-                "result will show how many."
-            )
-            return
-        yield (
-            f"Note: {dimension} free parameters and {targets}: many "
-            "parameter sets will fit equally well. Fix a parameter or measure another response."
-        )

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
 from typing import Any
 
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.formatting import in_a_row
 
 #: Keys of a test that leave its simulation as it is.
 _EVALUATION = frozenset({"evaluate", "responses", "measure", "timeout"})
@@ -42,7 +40,7 @@ def join_evaluations(tests: Sequence[TestSpecification]) -> tuple[TestSpecificat
 
 def _can_be_joined(one: TestSpecification, other: TestSpecification) -> bool:
     return (
-        _is_same_simulation(one, other)
+        is_same_simulation(one, other)
         and "evaluate" in one.options
         and "evaluate" in other.options
         and one.repeats == other.repeats
@@ -78,39 +76,10 @@ def _join(one: TestSpecification, other: TestSpecification) -> TestSpecification
     )
 
 
-def same_simulation_notes(tests: Sequence[TestSpecification]) -> Iterator[str]:
-    """Yield a note on tests that share their simulations, and on those that could.
-
-    Parameters
-    ----------
-    tests : sequence of TestSpecification
-        The tests of the file, joined where they can be.
-    """
-    for test in tests:
-        if test.joined:
-            yield (
-                f"Tests {in_a_row(test.joined, 'and')} differ in their evaluation only: each "
-                f"simulation serves all of them. They are called {test.name}."
-            )
-    for one, other in combinations(tests, 2):
-        if _is_same_simulation(one, other):
-            yield (
-                f"Tests {one.name} and {other.name} differ at most in their evaluation, but each "
-                "simulation is made for one of them only. Make them one [[test]] with the "
-                f"targets of both{_remedy(one)}."
-            )
-
-
-def _is_same_simulation(one: TestSpecification, other: TestSpecification) -> bool:
+def is_same_simulation(one: TestSpecification, other: TestSpecification) -> bool:
+    """Return whether two tests differ at most in their evaluation."""
     return one.type == other.type and _simulation(one) == _simulation(other)
 
 
 def _simulation(test: TestSpecification) -> Mapping[str, Any]:
     return {key: value for key, value in test.options.items() if key not in _EVALUATION}
-
-
-def _remedy(test: TestSpecification) -> str:
-    for key in ("evaluate", "measure"):
-        if key in test.options:
-            return f": let the function in {key} return all their responses"
-    return ""

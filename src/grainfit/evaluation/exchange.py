@@ -8,10 +8,10 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
-from grainfit.checks import as_number
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import messages
 from grainfit.evaluation.response import Curve, Measured, Response
+from grainfit.validation import as_number
 
 _RESPONSE_FORMS = (
     "A response is a number, a pair of value and standard error, "

@@ -14,9 +14,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.checks import is_computable
 from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, example_with, how_to_write, to_unit
+from grainfit.validation import is_computable
 
 Schema = dict[str, Any]
 

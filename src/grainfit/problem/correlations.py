@@ -8,9 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
 from grainfit.problem import messages
+from grainfit.validation import as_number
 
 #: Two names and the coefficient between them.
 Correlation: TypeAlias = tuple[str, str, float]

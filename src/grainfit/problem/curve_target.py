@@ -12,12 +12,12 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grainfit.checks import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 from grainfit.errors import Fault, InputError
 from grainfit.messages import Message
 from grainfit.problem import messages
 from grainfit.problem.correlations import symmetric_matrix
 from grainfit.units import percentage
+from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
-from grainfit.checks import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import short_repr
@@ -15,6 +14,7 @@ from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, friction_about
 from grainfit.materials.walls import plain_name
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
+from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 
 Scale = Literal["linear", "log"]
 _MEASUREMENT = ("measured", "uncertainty")

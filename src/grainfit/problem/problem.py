@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.one_line import as_call
@@ -26,6 +25,7 @@ from grainfit.problem.parameter import Parameter
 from grainfit.problem.quantities import make_plain, shown
 from grainfit.problem.target import LARGEST_WEIGHT, Target
 from grainfit.problem.test_scope import TestScope, repeated_names, scope_faults
+from grainfit.validation import as_number
 
 _LISTS = {"parameters": Parameter, "targets": Target, "tests": TestScope, "curves": CurveTarget}
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from grainfit.checks import as_number
 from grainfit.errors import Fault, InputError
 from grainfit.units import UnitError, percentage, to_si, to_unit
+from grainfit.validation import as_number
 
 
 def shown(value: object) -> str:

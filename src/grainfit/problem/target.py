@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
-from grainfit.checks import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import short_repr
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
 from grainfit.units import percentage
+from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
 DEFAULT_RELATIVE_TOLERANCE = 0.02

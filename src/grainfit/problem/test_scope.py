@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from grainfit.checks import as_number, count_faults
 from grainfit.errors import Fault, InputError
 from grainfit.one_line import one_line
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain
+from grainfit.validation import as_number, whole_number_faults
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class TestScope:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
             raise InputError(messages.NO_TEST_NAME.fault("test", given=self.name))
-        if faults := count_faults({f"{self.name}.repeats": self.repeats}):
+        if faults := whole_number_faults({f"{self.name}.repeats": self.repeats}):
             raise InputError(faults)
         for key in ("targets", "parameters"):
             names = getattr(self, key)

@@ -11,11 +11,11 @@ from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
-from grainfit.checks import as_number, count_faults
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted
 from grainfit.solvers.base import Solver
+from grainfit.validation import as_number, whole_number_faults
 from grainfit.which_test import messages
 from grainfit.which_test.available import AvailableTests
 from grainfit.which_test.candidate import Candidate
@@ -62,7 +62,7 @@ class Simulation:
 
     def __post_init__(self) -> None:
         counts = {} if self.seeds is None else {"seeds": self.seeds}
-        faults = count_faults({**counts, "workers": self.workers})
+        faults = whole_number_faults({**counts, "workers": self.workers})
         if self.max_seconds is not None and not as_number(self.max_seconds) > 0:
             faults.append(messages.NO_TIME.fault("max_seconds", given=self.max_seconds))
         if faults:

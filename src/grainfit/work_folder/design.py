@@ -13,10 +13,10 @@ from grainfit.calibration_file.accuracies import read_accuracies
 from grainfit.calibration_file.planned import PlannedFile, load_planned_file
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
-from grainfit.checks import as_number
 from grainfit.errors import InputError
 from grainfit.formatting import counted
 from grainfit.problem import Parameter
+from grainfit.validation import as_number
 from grainfit.which_test import messages
 from grainfit.which_test.available import AvailableTests, available_tests, material_of
 from grainfit.which_test.candidate import Candidate

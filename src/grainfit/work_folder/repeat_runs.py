@@ -11,11 +11,11 @@ from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.work_folder import simulations_folder
-from grainfit.checks import count_faults
 from grainfit.errors import InputError
-from grainfit.evaluation import Evaluation, Proposal, response_name
+from grainfit.evaluation import Evaluation, Proposal, Response, response_name
 from grainfit.formatting import in_a_row
 from grainfit.strategies.seeds import LARGEST_SEED
+from grainfit.validation import whole_number_faults
 from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
@@ -135,15 +135,16 @@ def _remarks(setup: CalibrationSetup, evaluations: Sequence[Evaluation]) -> Iter
         seeds: dict[str, list[str]] = {}
         for evaluation in evaluations:
             known = evaluation.responses
-            responses = {key: known[full] for key, full in names.items() if full in known}
-            if words := test.remark_on(responses):
-                seeds.setdefault(words, []).append(str(evaluation.proposal.seed))
+            for key, full in names.items():
+                meaning, found = test.responses[key].at_zero, known.get(full)
+                if meaning and isinstance(found, Response) and found.value == 0:
+                    seeds.setdefault(meaning, []).append(str(evaluation.proposal.seed))
         for words, those in seeds.items():
             yield f"{name} {words} (seed {in_a_row(those)})."
 
 
 def _require_counts(**given: int) -> None:
-    faults = count_faults(given)
+    faults = whole_number_faults(given)
     if not faults and given["seed"] + given["repeat"] - 1 > LARGEST_SEED:
         faults = [
             messages.SEED_TOO_LARGE.fault(

@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.compression.curve import (
     COLUMNS,
     Curve,
@@ -30,9 +31,11 @@ from grainfit.bulk_tests.sensitivities import (
     Sensitivities,
 )
 from grainfit.bulk_tests.shared.options import LENGTH, settling_option
+from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, Response
 from grainfit.measurement.bulk_density import bulk_density
@@ -92,6 +95,7 @@ class Compression(BulkTest):
     """
 
     type: ClassVar[str] = "compression"
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (surplus_particles,)
     title: ClassVar[str] = "uniaxial, confined"
     parts: ClassVar[Parts] = {
         "pot": ("pot",),

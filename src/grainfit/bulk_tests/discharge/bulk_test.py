@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -19,10 +20,12 @@ from grainfit.bulk_tests.shared.options import (
     SLOT_WIDTH,
     TIME,
 )
+from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.slot_box import SlotBox
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Measured, Response
 from grainfit.materials.particle_shape import ASPECT_RATIO
@@ -71,6 +74,9 @@ class Discharge(BulkTest):
     }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown | None] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+        narrow_orifice(lambda test: test.setup.container.orifice),
+    )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": ResponseInfo(
@@ -82,6 +88,7 @@ class Discharge(BulkTest):
             lowest=0.0,
             above_zero=False,
             why="Nothing flows back; where the material arches, nothing flows.",
+            at_zero="arched: no flow",
         ),
         "bulk_density": ResponseInfo(
             "kg/m^3",
@@ -160,10 +167,6 @@ class Discharge(BulkTest):
         """Iterate over why enlarged particles would arch over the orifice."""
         return self.setup.container.orifice.coarse_graining_faults(self._sizes_of(material))
 
-    def notes(self, material: Mapping[str, float]) -> Iterator[str]:
-        """Iterate over a note on an orifice that is narrow for the particles."""
-        return self.setup.container.orifice.notes(self._sizes_of(material))
-
     def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
         """Return the times since the orifice was opened: what has left stays so."""
         return CurveRange(low=0.0)
@@ -229,12 +232,6 @@ class Discharge(BulkTest):
             "bulk_density": density,
             "discharged_mass": discharged_mass(view.time, view.mass),
         }
-
-    def remark_on(self, responses: Mapping[str, Measured]) -> str:
-        """Say that the material arched: only then is the flow exactly 0."""
-        flow = responses.get("mass_flow")
-        is_arched = isinstance(flow, Response) and flow.value == 0
-        return "arched: no flow" if is_arched else ""
 
     def _bulk_density(self, bed: Particles) -> Response:
         setup, container = self.setup, self.setup.container

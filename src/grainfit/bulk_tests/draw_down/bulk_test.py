@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.bulk_tests.base import BulkTest, Parts, ResponseInfo
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
+from grainfit.bulk_tests.draw_down.smooth_walls import smooth_walls
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
@@ -23,6 +25,7 @@ from grainfit.bulk_tests.shared.options import (
     SLOT_WIDTH,
     TIME,
 )
+from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import (
     require_apex_below,
@@ -31,6 +34,7 @@ from grainfit.bulk_tests.shared.validity import (
     require_separate,
 )
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.materials.particle_shape import ASPECT_RATIO
@@ -84,8 +88,10 @@ class DrawDown(BulkTest):
     shown: ClassVar[Shown | None] = Shown(
         "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE
     )
-    #: At 0.005, beads roll off the shelf one by one for more than 7 s.
-    least_wall_rolling_friction: ClassVar[float] = 0.02
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+        narrow_orifice(lambda test: test.setup.box.orifice),
+        smooth_walls,
+    )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
@@ -217,10 +223,6 @@ class DrawDown(BulkTest):
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why enlarged particles would arch over the orifice."""
         return self.setup.box.orifice.coarse_graining_faults(self._sizes_of(material))
-
-    def notes(self, material: Mapping[str, float]) -> Iterator[str]:
-        """Iterate over a note on an orifice that is narrow for the particles."""
-        return self.setup.box.orifice.notes(self._sizes_of(material))
 
     @property
     def footprint(self) -> Footprint:

@@ -10,13 +10,16 @@ from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo, absent_responses
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, settling_option
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
+from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check, Found, check
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Measured
 from grainfit.formatting import in_a_row, millimetres
@@ -68,6 +71,26 @@ _PLATE = "plate"
 _LENGTH_OR_ZERO = Quantity("m", lowest=0.0, highest=1e3)
 
 
+@check("small-plate", "warning")
+def small_plate(checked: CheckedTest[Heap]) -> Iterator[Found]:
+    """Plates that are too small for the measured heap, whose size is needed."""
+    setup, diameter = checked.test.setup, checked.test.sizes.sauter_diameter
+    needed = [name for name in absent_responses(checked.test) if name in checked.targets]
+    angle, radius = (checked.targets.get(name) for name in ("angle_of_repose", "base_radius"))
+    if not needed or setup.rim_height > 0:
+        return
+    if radius is None and angle is not None and 0 < angle < _STEEPEST:
+        radius = setup.expected_foot(angle, diameter)
+    if radius is not None and radius > setup.plate_radius - diameter:
+        yield (
+            "plate_radius",
+            f"the plate of {millimetres(setup.plate_radius)} radius is too small for "
+            f"{in_a_row(needed)}: the measured heap has a base radius of about "
+            f"{millimetres(radius)}, and a run whose heap reaches the edge fails. Use "
+            f'plate_radius = "{millimetres(radius + 3 * diameter)}" or more.',
+        )
+
+
 @dataclass(frozen=True)
 class Heap(BulkTest):
     """Lifted cylinder: bulk density, and angle of repose and size of the heap, from one test.
@@ -91,6 +114,7 @@ class Heap(BulkTest):
     """
 
     type: ClassVar[str] = "heap"
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (surplus_particles, small_plate)
     title: ClassVar[str] = "lifted cylinder"
     parts: ClassVar[Parts] = {
         "cylinder": ("cylinder",),
@@ -294,23 +318,6 @@ class Heap(BulkTest):
             check_interval=setup.filling.check_interval,
             surfaces={_PLATE: self._plate_parameters(material)},
         )
-
-    def target_notes(self, measured: Mapping[str, float | None]) -> Iterator[str]:
-        """Yield a remark if the plate is too small for the measured heap, whose size is needed."""
-        setup, diameter = self.setup, self.sizes.sauter_diameter
-        needed = [name for name in absent_responses(self) if name in measured]
-        angle, radius = measured.get("angle_of_repose"), measured.get("base_radius")
-        if not needed or setup.rim_height > 0:
-            return
-        if radius is None and angle is not None and 0 < angle < _STEEPEST:
-            radius = setup.expected_foot(angle, diameter)
-        if radius is not None and radius > setup.plate_radius - diameter:
-            yield (
-                f"the plate of {millimetres(setup.plate_radius)} radius is too small for "
-                f"{in_a_row(needed)}: the measured heap has a base radius of about "
-                f"{millimetres(radius)}, and a run whose heap reaches the edge fails. Use "
-                f'plate_radius = "{millimetres(radius + 3 * diameter)}" or more.'
-            )
 
     def _stages(self) -> tuple[Stage, ...]:
         setup = self.setup

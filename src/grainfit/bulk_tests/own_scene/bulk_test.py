@@ -17,11 +17,13 @@ from grainfit.bulk_tests.base import (
     ResponseInfo,
     read_sizes,
 )
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.user_function import call
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check, Found, check
 from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, scalars
@@ -86,6 +88,19 @@ _KEYS = (
 )
 
 
+@check("coarse-grained-scene")
+def coarse_grained_scene(checked: CheckedTest[OwnScene]) -> Iterator[Found]:
+    """Scenes of your own that coarse graining may enlarge, apparatus included."""
+    test = checked.test
+    if test.sizes.coarse_graining > 1 and "scene" in test.functions:
+        yield (
+            "scene",
+            f"sizes are {test.sizes.coarse_graining:g} times the real ones "
+            f"(particle.coarse_graining). {test.functions['scene'].path.name} keeps the size "
+            "of the apparatus if it takes lengths from sizes.real or from options.",
+        )
+
+
 @dataclass(frozen=True, init=False, eq=False)
 class OwnScene(BulkTest):
     """A test of your own: two functions in a Python file describe it and measure it.
@@ -117,6 +132,7 @@ class OwnScene(BulkTest):
     """
 
     type: ClassVar[str] = "scene"
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (coarse_grained_scene,)
     title: ClassVar[str] = "a scene of your own"
     responses: ClassVar[Mapping[str, ResponseInfo]] = {}
     shown: ClassVar[Shown | None] = Shown("particles", "", snapshot_file(END), _PICTURE)
@@ -238,15 +254,6 @@ class OwnScene(BulkTest):
             f"{function.path}:{function.function}   (within grainfit itself)"
             for function in self.functions.values()
         )
-
-    def notes(self, material: Mapping[str, float]) -> Iterator[str]:  # noqa: ARG002
-        """Iterate over a note on coarse graining, which enlarges what follows ``sizes``."""
-        if self.sizes.coarse_graining > 1 and "scene" in self.functions:
-            yield (
-                f"sizes are {self.sizes.coarse_graining:g} times the real ones "
-                f"(particle.coarse_graining). {self.functions['scene'].path.name} keeps the size "
-                "of the apparatus if it takes lengths from sizes.real or from options."
-            )
 
     # --- the experiment ------------------------------------------------------------------------
 

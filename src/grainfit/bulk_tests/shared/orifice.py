@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.shared import messages
+from grainfit.checks import Check, Found
 from grainfit.errors import Fault
 from grainfit.formatting import millimetres, number
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.sizes import ParticleSizes
 
 #: Width below which arches may block an orifice, in largest extents of the largest particles.
@@ -71,14 +75,15 @@ class Orifice:
             least=least,
         )
 
-    def notes(self, sizes: ParticleSizes) -> Iterator[str]:
+    def arching_notes(self, sizes: ParticleSizes) -> Iterator[Found]:
         """Iterate over a note on real particles that may arch."""
         if sizes.coarse_graining == 1 and self._is_narrow(sizes):
             yield (
+                self.option,
                 f"{self.words} of {millimetres(self.width)} is "
                 f"{number(self._diameters(sizes), 3)} times as wide as the largest particles "
                 f"({millimetres(max(sizes.outer_diameters))}). Below {ARCHES:g} they may arch, "
-                "and nothing flows."
+                "and nothing flows.",
             )
 
     def _diameters(self, sizes: ParticleSizes) -> float:
@@ -87,3 +92,21 @@ class Orifice:
 
     def _is_narrow(self, sizes: ParticleSizes) -> bool:
         return self._diameters(sizes) < ARCHES * (1 - _ROUNDING)
+
+
+def narrow_orifice(orifice_of: Callable[[Any], Orifice]) -> Check[CheckedTest[Any]]:
+    """Return the check of the orifice of a test.
+
+    Parameters
+    ----------
+    orifice_of : callable
+        Returns the orifice of a test.
+    """
+
+    def find(checked: CheckedTest[Any]) -> Iterator[Found]:
+        # The most slender particles are the widest.
+        sizes = checked.test.sizes.with_aspect_ratio(checked.highest.get(ASPECT_RATIO))
+        return orifice_of(checked.test).arching_notes(sizes)
+
+    about = "Orifices so narrow that particles may arch over them."
+    return Check("narrow-orifice", "warning", about, find)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any, NoReturn, TypeVar
 
-from grainfit.checks import as_number
+from grainfit.validation import as_number
 
 _Word = TypeVar("_Word", bound=str)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
-from grainfit.analysis.stiffness_notes import stiffness_notes
+from grainfit.analysis.soft_particles import stiffness_notes
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.errors import InputError

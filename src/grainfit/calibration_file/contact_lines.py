@@ -1,4 +1,4 @@
-"""How cohesive the contacts of a calibration file are: Bond number, pull-off force, overlap."""
+"""Chosen contact models, and how cohesive contacts are: Bond number, pull-off force, overlap."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from grainfit.contact_models.cohesive_contacts import (
     contacts_of,
 )
 from grainfit.contact_models.contact import TYPICAL_LOAD
-from grainfit.contact_models.registry import COHESION, contact_law, with_defaults
+from grainfit.contact_models.registry import COHESION, contact_law, inactive_models, with_defaults
 from grainfit.errors import InputError
 from grainfit.formatting import millimetres
 from grainfit.materials.particle_shape import ASPECT_RATIO
@@ -24,6 +24,26 @@ from grainfit.materials.walls import plain_name
 
 #: Parameters whose intervals change how cohesive the particles are.
 _COUNTING = (DENSITY, MODULUS, *COHESION)
+
+
+def chosen_model_lines(file: CalibrationFile) -> Iterator[str]:
+    """Yield the chosen contact models: those that act, and those that do nothing.
+
+    Parameters
+    ----------
+    file : CalibrationFile
+        The calibration file.
+    """
+    largest = {p.name: p.maximum for p in file.parameters}
+    known = {**file.fixed, **largest}
+    idle = {model.name: model for model in inactive_models(known, file.contact_models)}
+    if acting := [name for name in file.contact_models if name not in idle]:
+        yield f"Contact model instead of the usual one: {', '.join(acting)}."
+    for name, model in idle.items():
+        yield (
+            f"The contact model {name} was chosen and does nothing: it takes "
+            f"{' or '.join(parameter.name for parameter in model.parameters)} above 0."
+        )
 
 
 def cohesion_lines(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:

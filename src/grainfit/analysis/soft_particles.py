@@ -1,17 +1,19 @@
-"""Notes on soft particles, whose overlap adds to bulk densities."""
+"""Soft particles, whose overlap adds to bulk densities."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import product
 from math import sqrt
 
 from grainfit.bulk_tests.base import BulkTest, ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import OverlapLaw
+from grainfit.checks import Found, check
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, number
 from grainfit.problem import Problem
+from grainfit.solvers.check_context import CheckContext
 
 #: Excess below which nothing is said, and those of the moduli that are offered.
 _WORTH_A_NOTE = 0.01
@@ -21,6 +23,13 @@ _STIFFER = 1.2
 #: Overlaps raise responses that are nearly proportional to the density of the particles, and fall
 #: with Young's modulus.
 _PROPORTIONAL = 0.5
+
+
+@check("soft-particles")
+def soft_particles(context: CheckContext) -> Iterator[Found]:
+    """Soft particles, whose overlap adds 1 % or more to a response."""
+    for note in stiffness_notes(context.problem, context.bulk_tests, context.fixed):
+        yield MODULUS, note
 
 
 def stiffness_notes(

@@ -1,4 +1,4 @@
-"""Notes on bulk densities that no density of the particles within its interval can give."""
+"""Bulk densities that no density of the particles within its interval can give."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from math import ceil, floor, log10
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.calibration_file.checks.context import FileContext
+from grainfit.checks import Found, check
 from grainfit.contact_models.registry import COHESION
 from grainfit.evaluation import response_name
 from grainfit.formatting import number
 from grainfit.materials.walls import plain_name
-from grainfit.problem import Problem, Target
+from grainfit.problem import Target
 
 #: Solid fractions of beds of equal spheres that are possible at all. Above: the densest packing of
 #: equal spheres, pi/sqrt(18) (Hales, Annals of Mathematics 162, 2005). Below: far under random
@@ -28,37 +30,22 @@ _OTHER_UNIT = 10.0
 _BULK_DENSITY = "bulk_density"
 
 
-def solid_fraction_notes(
-    problem: Problem, tests: Mapping[str, BulkTest], fixed: Mapping[str, float]
-) -> Iterator[str]:
-    """Yield a note on each bulk density that is out of reach of the density of the particles.
+@check("impossible-bulk-density", "warning")
+def impossible_bulk_density(context: FileContext) -> Iterator[Found]:
+    """Bulk densities that no density of the particles within its interval can give.
 
     Nothing is said of clumps, which pack more densely than spheres, of very loose beds of cohesive
     particles, and of very dense ones of different sizes.
-
-    Parameters
-    ----------
-    problem : Problem
-        Free parameters and targets.
-    tests : mapping of str to BulkTest
-        Simulated tests by name.
-    fixed : mapping of str to float
-        Material parameters that are not free.
     """
-    ends = _ends(problem, fixed)
+    ends = context.intervals
     if DENSITY not in ends or min(ends[DENSITY]) <= 0:
         return
-    targets = {target.name: target for target in problem.targets}
-    for name, test in tests.items():
-        found = (targets.get(response_name(name, _BULK_DENSITY, count)) for count in (1, 2))
-        target = next(filter(None, found), None)
+    targets = {target.name: target for target in context.problem.targets}
+    for name, test in context.bulk_tests.items():
+        target = targets.get(response_name(name, _BULK_DENSITY, len(context.solvers)))
         if target is not None and _BULK_DENSITY in test.responses and test.sizes.shape is None:
-            yield from _note(target, test, ends)
-
-
-def _ends(problem: Problem, fixed: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-    free = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
-    return {**{name: (value, value) for name, value in fixed.items()}, **free}
+            key = context.key(name, f"targets.{_BULK_DENSITY}")
+            yield from ((key, note) for note in _note(target, test, ends))
 
 
 def _note(target: Target, test: BulkTest, ends: Mapping[str, tuple[float, float]]) -> Iterator[str]:

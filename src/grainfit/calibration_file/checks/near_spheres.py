@@ -1,10 +1,11 @@
-"""Notes on clumps whose spheres nearly coincide."""
+"""Clumps whose spheres nearly coincide."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grainfit.calibration_file.content import CalibrationFile
+from grainfit.calibration_file.checks.context import FileContext
+from grainfit.checks import Found, check
 from grainfit.formatting import percent
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 
@@ -16,20 +17,16 @@ _SLOW = 0.8
 _NEAREST = 1.001
 
 
-def shape_notes(file: CalibrationFile) -> Iterator[str]:
-    """Yield a note on clumps of a family whose spheres nearly coincide.
-
-    Parameters
-    ----------
-    file : CalibrationFile
-        The calibration file.
-    """
-    shape = file.sizes.shape if file.sizes is not None else None
+@check("near-spheres")
+def near_spheres(context: FileContext) -> Iterator[Found]:
+    """Clumps of a family whose spheres nearly coincide, which makes runs slow."""
+    sizes = context.file.sizes
+    shape = sizes.shape if sizes is not None else None
     if shape is None or not shape.has_aspect_ratio:
         return
-    free = {p.name: p.minimum for p in file.parameters}
-    lowest = {**file.fixed, **free}.get(ASPECT_RATIO, 1.0)
-    if lowest == 1 and ASPECT_RATIO not in free:
+    lowest = context.lowest.get(ASPECT_RATIO, 1.0)
+    is_free = any(p.name == ASPECT_RATIO for p in context.problem.parameters)
+    if lowest == 1 and not is_free:
         return
     share = _share_of_time_step(shape, lowest)
     if share >= _SLOW:
@@ -38,10 +35,11 @@ def shape_notes(file: CalibrationFile) -> Iterator[str]:
     if lowest < _NEARLY_A_SPHERE:
         jump = "Clumps are stiffer than spheres, so soft particles respond otherwise than at 1. "
     yield (
-        f"{ASPECT_RATIO} is {lowest:g}{' and more' if ASPECT_RATIO in free else ''}: there, "
+        ASPECT_RATIO,
+        f"{ASPECT_RATIO} is {lowest:g}{' and more' if is_free else ''}: there, "
         f"spheres of the shape {shape.family} nearly coincide and touch at once. {jump}Time steps "
         f"are {percent(share)} of what their smallest sphere allows; larger aspect ratios are "
-        "faster (docs/clumps.md)."
+        "faster (docs/clumps.md).",
     )
 
 

@@ -7,19 +7,16 @@ from collections.abc import Iterator, Mapping
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import InputError
-from grainfit.formatting import counted, millimetres, percent
+from grainfit.formatting import millimetres, percent
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.scenes.packing import particle_numbers
 from grainfit.solvers.speed import Speed
 
-#: Share of the time of a run above which leaving something out is not worth a word.
+#: Share of the time of a run above which the price of particles is not stated.
 _HARDLY_FASTER = 0.8
-#: Finest share of the mass whose price is told for a distribution.
+#: Share of the mass, in the finest particles, of which the price is stated.
 _FINEST = 0.05
 #: Only ratios of times are shown, which are the same at any speed.
 _ANY_SPEED = Speed(1.0)
-#: Particles of a diameter below which their share of the mass is a matter of chance.
-_FEW = 10
 
 
 def size_lines(
@@ -30,7 +27,7 @@ def size_lines(
     Parameters
     ----------
     sizes : ParticleSizes, optional
-        Of the particles; nothing is told of a single diameter.
+        Of the particles; nothing is yielded for a single diameter.
     bulk_tests : mapping of str to BulkTest
         Simulated tests by name.
     material : mapping of str to float
@@ -81,26 +78,3 @@ def _with_sizes(tests: list[BulkTest], sizes: ParticleSizes) -> list[BulkTest]:
 def _seconds(tests: list[BulkTest], material: Mapping[str, float]) -> float:
     """Return the estimated time of a run of each test; only ratios have a meaning."""
     return sum(_ANY_SPEED.cost(test.workload(material)).wall_seconds for test in tests)
-
-
-def size_notes(bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
-    """Yield a note on each test that has too few particles for its classes of sizes.
-
-    Parameters
-    ----------
-    bulk_tests : mapping of str to BulkTest
-        Simulated tests by name.
-    """
-    for name, test in bulk_tests.items():
-        if user_functions(test) or len(test.sizes.diameters) == 1:
-            continue
-        numbers = particle_numbers(test.sizes, test.number_of_particles)
-        fewest = min(range(len(numbers)), key=lambda i: numbers[i])
-        if numbers[fewest] >= _FEW:
-            continue
-        yield (
-            f"Test {name} has {counted(numbers[fewest], 'particle')} of "
-            f"{millimetres(test.sizes.real.diameters[fewest])}, for "
-            f"{percent(test.sizes.mass_fractions[fewest])} of the mass. Use more particles, or "
-            "leave out the ends of the distribution."
-        )

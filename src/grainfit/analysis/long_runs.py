@@ -1,35 +1,31 @@
-"""Notes on runs of many small particles, which larger ones would shorten."""
+"""Runs of many small particles, which larger ones would shorten."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
+from grainfit.checks import Found, check
 from grainfit.errors import InputError
 from grainfit.formatting import duration
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
+from grainfit.solvers.check_context import CheckContext
 
 #: Runs are long above this time, and short enough below that, s.
 _LONG, _SHORT = 900.0, 300.0
 _FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0, 50.0)
 
 
-def coarse_graining_notes(solvers: Mapping[str, Solver], problem: Problem) -> tuple[str, ...]:
-    """Propose a factor of coarse graining for tests whose runs are long, with time and price.
-
-    Parameters
-    ----------
-    solvers : mapping of str to Solver
-        By name of the test.
-    problem : Problem
-        Free parameters: costs are those in the middle of their intervals.
-    """
-    found = (_note(name, solvers, problem) for name in solvers)
-    return tuple(note for note in found if note)
+@check("long-runs")
+def long_runs(context: CheckContext) -> Iterator[Found]:
+    """Runs that take long, with a factor of coarse graining, its time and its price."""
+    for name in context.solvers:
+        if note := _note(name, context.solvers, context.problem):
+            yield context.key(name), note
 
 
 def _note(name: str, solvers: Mapping[str, Solver], problem: Problem) -> str:

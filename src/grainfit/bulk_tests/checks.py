@@ -1,0 +1,31 @@
+"""What the checks of a bulk test see: the test, and the calibration that it is part of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+_Test = TypeVar("_Test", covariant=True)
+
+
+@dataclass(frozen=True)
+class CheckedTest(Generic[_Test]):
+    """A bulk test of a calibration before its first run: the context of its `checks`.
+
+    A check yields keys of the table of the test, such as ``"plate_radius"``.
+
+    Parameters
+    ----------
+    test : BulkTest
+        The test.
+    lowest, highest : mapping of str to float
+        Material parameters that are known, at the lower and upper ends of the intervals.
+    targets : mapping of str to float or None
+        Measured values by response, None for a curve.
+    """
+
+    test: _Test
+    lowest: Mapping[str, float]
+    highest: Mapping[str, float]
+    targets: Mapping[str, float | None]

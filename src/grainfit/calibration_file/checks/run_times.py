@@ -1,0 +1,142 @@
+"""Runs that would be stopped before their end, and what shortens a calibration of days."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
+from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.calibration_file.checks.context import FileContext
+from grainfit.checks import Found, check
+from grainfit.errors import InputError
+from grainfit.formatting import duration, number
+from grainfit.solvers.base import Solver
+
+#: Largest share of the time that is worth a sentence.
+_WORTH_IT = 0.8
+#: Excess of bulk densities from overlaps that the offered modulus leaves.
+_TOLERATED_EXCESS = 0.02
+_COARSER = 2.0
+
+
+@check("short-timeout", "warning")
+def short_timeout(context: FileContext) -> Iterator[Found]:
+    """Time-outs that stop runs before their estimated end."""
+    for test, limit in context.file.timeouts.items():
+        seconds = context.costs.get(test)
+        if seconds is not None and limit < seconds:
+            yield (
+                context.key(test, "timeout"),
+                f"Test {test}: timeout = {duration(limit)}, but a run takes about "
+                f"{duration(seconds)} and would be stopped before its end. Leave timeout out, or "
+                "give several times as much.",
+            )
+
+
+@check("long-calibration")
+def long_calibration(context: FileContext) -> Iterator[Found]:
+    """A calibration that takes a day or more, and what would shorten it to what time."""
+    time = context.time
+    if time is None or not time.is_long:
+        return
+    shorter = []
+    for change, seconds in [*_usual_size(context), *_softer(context), *_coarser(context)]:
+        faster = replace(time, costs={**time.costs, **seconds})
+        if faster.seconds[1] <= _WORTH_IT * time.seconds[1]:
+            shorter.append(f"with {change}, it would take {faster}")
+    remedy = (
+        f"Shorter: {'; '.join(shorter)}."
+        if shorter
+        else "More workers shorten it: a computer with more cores, or a cluster (docs/clusters.md)."
+    )
+    yield "", f"The calibration takes {time}. {remedy}"
+
+
+def _usual_size(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Offer the usual dimensions of tests that are given larger ones."""
+    for name, solver, test in _known_tests(context):
+        try:
+            usual = sized_for(type(test), test.sizes)
+            seconds = solver.estimate_cost_of(usual, _material(context, solver)).wall_seconds
+        except (InputError, TypeError):
+            continue
+        if seconds > _WORTH_IT * context.costs[name]:
+            continue
+        words = (
+            f"the usual dimensions of the {test.type} test ({usual.number_of_particles} "
+            f"particles), measured in an apparatus of that size"
+        )
+        yield words, {name: seconds}
+
+
+def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Offer the softest particles whose overlaps hardly change a response."""
+    modulus = context.fixed.get(MODULUS)
+    tests = list(_known_tests(context))
+    if modulus is None or not tests:
+        return
+    try:
+        needed = max(
+            modulus
+            * test.overlap_law.number_with(_TOLERATED_EXCESS)
+            / test.stiffness_number(_material(context, solver))
+            for _, solver, test in tests
+        )
+        if needed >= _WORTH_IT * modulus or any(_refuses(context, needed, *one) for one in tests):
+            return
+        seconds = {
+            name: solver.estimate_cost_of(
+                test, {**_material(context, solver), MODULUS: needed}
+            ).wall_seconds
+            for name, solver, test in tests
+        }
+    except InputError:
+        return
+    words = (
+        f"{MODULUS} = {number(needed / 1e6, 2)} MPa, whose overlaps add "
+        f"{100 * _TOLERATED_EXCESS:.0f} % to bulk densities"
+    )
+    yield words, seconds
+
+
+def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Offer fewer, larger particles in the same apparatus."""
+    coarser: dict[str, BulkTest] = {}
+    seconds: dict[str, float] = {}
+    for name, solver, test in _known_tests(context):
+        try:
+            material = _material(context, solver)
+            coarser[name] = coarse_grained(test, _COARSER, material)
+            cost = solver.estimate_cost_of(coarser[name], material)
+        except InputError:
+            # All tests have the same particles.
+            return
+        seconds[name] = cost.wall_seconds
+    if seconds:
+        words = (
+            f"{factor_words(coarser)}, fewer and larger particles in the same apparatus "
+            "(docs/coarse_graining.md)"
+        )
+        yield words, seconds
+
+
+def _known_tests(context: FileContext) -> Iterator[tuple[str, Solver, BulkTest]]:
+    """Yield the bulk tests without code of the user."""
+    for name, solver in context.solvers.items():
+        test = solver.bulk_test
+        if test is not None and not user_functions(test):
+            yield name, solver, test
+
+
+def _refuses(
+    context: FileContext, modulus: float, _name: str, solver: Solver, test: BulkTest
+) -> bool:
+    """Return whether a test means nothing with particles of a Young's modulus."""
+    return any(test.material_faults({**_material(context, solver), MODULUS: modulus}))
+
+
+def _material(context: FileContext, solver: Solver) -> dict[str, float]:
+    return solver.run_parameters(context.problem.middle)

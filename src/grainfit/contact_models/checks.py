@@ -1,0 +1,84 @@
+"""Checks of the contact law of a calibration: solvers that differ, and large time steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Protocol
+
+from grainfit.checks import Found, check
+from grainfit.contact_models.base import ContactLaw
+from grainfit.contact_models.registry import COHESION, contact_law
+from grainfit.errors import InputError
+from grainfit.formatting import in_a_row
+from grainfit.materials.walls import plain_name
+
+
+class UsedContactLaw(Protocol):
+    """A calibration as checks of its contact law see it."""
+
+    @property
+    def fixed(self) -> Mapping[str, float]:
+        """Parameters that are not free."""
+
+    @property
+    def intervals(self) -> Mapping[str, tuple[float, float]]:
+        """Ends of the interval of every parameter; twice the value of a fixed one."""
+
+    @property
+    def contact_models(self) -> tuple[str, ...]:
+        """Contact models that replace the usual ones of their kind."""
+
+    @property
+    def dem_solvers(self) -> Mapping[str, str]:
+        """Name of the solver of each bulk test."""
+
+    @property
+    def time_step_fractions(self) -> Mapping[str, float]:
+        """Time step over the Rayleigh time step of each bulk test."""
+
+    def key(self, test: str, key: str = "") -> str:
+        """Return the key of a test, or a key of its table."""
+
+
+@check("solvers-differ", "warning")
+def solvers_differ(used: UsedContactLaw) -> Iterator[Found]:
+    """Contact laws that are not the same in all solvers of the file."""
+    law, material = _law(used), _cohesive(used)
+    solvers = sorted(set(used.dem_solvers.values()))
+    if law is None or len(solvers) < 2:
+        return
+    if difference := law.solver_difference(material, solvers):
+        words = in_a_row(solvers)
+        yield "", f"The tests run with {words}. {difference} Use one solver for all tests."
+
+
+@check("large-time-step", "warning")
+def large_time_step(used: UsedContactLaw) -> Iterator[Found]:
+    """Time steps that are too large for the contact law and the restitution."""
+    law = _law(used)
+    if law is None:
+        return
+    lowest = {name: e[0] for name, e in used.intervals.items() if name.endswith(".restitution")}
+    safe = law.time_step_fraction({**used.fixed, **lowest})
+    for test, fraction in used.time_step_fractions.items():
+        if fraction > safe:
+            yield (
+                used.key(test, "time_step_fraction"),
+                f"Test {test}: a time step of {fraction:.3g} of the Rayleigh time step is more "
+                f"than the {safe:.2g} that is safe with this contact law and restitution. Beds "
+                "may never come to rest, or come to rest up to 16 % too dense without any error.",
+            )
+
+
+def _cohesive(used: UsedContactLaw) -> dict[str, float]:
+    """Return the fixed parameters, and the free ones of cohesion where it is largest."""
+    largest = {name: e[1] for name, e in used.intervals.items() if plain_name(name) in COHESION}
+    return {**used.fixed, **largest}
+
+
+def _law(used: UsedContactLaw) -> ContactLaw | None:
+    """Return the contact law; None where there is none, as another message says."""
+    try:
+        return contact_law(_cohesive(used), used.contact_models)
+    except InputError:
+        return None

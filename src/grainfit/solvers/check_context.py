@@ -1,0 +1,58 @@
+"""What checks see of a calibration before its first run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.problem import Problem
+from grainfit.solvers.base import Solver
+
+
+@dataclass(frozen=True)
+class CheckContext:
+    """A calibration before its first run, as checks see it.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    solvers : mapping of str to Solver
+        By name of the test.
+    fixed : mapping of str to float
+        Parameters that are not free.
+    test_keys : mapping of str to str
+        Key of each test in the calibration file, ``test[0]`` that of the first, by name.
+    """
+
+    problem: Problem
+    solvers: Mapping[str, Solver]
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    test_keys: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def bulk_tests(self) -> dict[str, BulkTest]:
+        """The bulk tests that are simulated, by name of the test."""
+        tests = {name: solver.bulk_test for name, solver in self.solvers.items()}
+        return {name: test for name, test in tests.items() if test is not None}
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Ends of the interval of every parameter; twice the value of a fixed one."""
+        fixed = {name: (value, value) for name, value in self.fixed.items()}
+        return {**fixed, **{p.name: (p.minimum, p.maximum) for p in self.problem.parameters}}
+
+    @property
+    def lowest(self) -> dict[str, float]:
+        """Values of all parameters at the lower ends of their intervals."""
+        return {name: ends[0] for name, ends in self.intervals.items()}
+
+    @property
+    def highest(self) -> dict[str, float]:
+        """Values of all parameters at the upper ends of their intervals."""
+        return {name: ends[1] for name, ends in self.intervals.items()}
+
+    def key(self, test: str, key: str = "") -> str:
+        """Return the key of a test, or a key of its table."""
+        return ".".join(filter(None, (self.test_keys.get(test, ""), key)))

@@ -1,0 +1,61 @@
+"""Check values from outside: arguments, files, custom models."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from numbers import Real
+
+from grainfit.errors import Fault
+
+
+def as_number(value: object) -> float:
+    """Return a value as a plain float; NaN if it is not a real number, or too large for a float.
+
+    A bool is not a number here: it is probably a comparison given by mistake.
+
+    Examples
+    --------
+    >>> as_number(3), as_number(True), as_number("3")
+    (3.0, nan, nan)
+    """
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return math.nan
+
+
+#: Sizes of numbers that are computed with: products of several are numbers, too.
+SMALLEST, LARGEST = 1e-30, 1e30
+#: Smallest share of a number that floating-point numbers resolve with digits to spare.
+SMALLEST_SHARE = 1e-9
+#: Why a number is refused, and what to do.
+NOT_COMPUTABLE = f"Give 0, or a number of {SMALLEST:g} to {LARGEST:g} in size: check its unit."
+
+
+def is_computable(value: float) -> bool:
+    """Return True if a number is zero, or of a size that can be computed with.
+
+    Examples
+    --------
+    >>> is_computable(0.0), is_computable(-3e5), is_computable(5e-324), is_computable(1e300)
+    (True, True, False, False)
+    """
+    return value == 0 or SMALLEST <= abs(value) <= LARGEST
+
+
+def whole_number_faults(given: Mapping[str, object]) -> list[Fault]:
+    """Return a fault for every value that is not a whole number from 1 on.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+        Values by name of the argument.
+    """
+    return [
+        Fault(name, f"is {value!r}.", "Give a whole number from 1 on.")
+        for name, value in given.items()
+        if not isinstance(value, int) or isinstance(value, bool) or value < 1
+    ]

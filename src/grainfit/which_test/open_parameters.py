@@ -1,0 +1,18 @@
+"""Free parameters that the tests of a calibration will leave open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from grainfit.checks import Found, check
+from grainfit.solvers.check_context import CheckContext
+
+
+@check("open-parameters")
+def open_parameters(context: CheckContext) -> Iterator[Found]:
+    """Free parameters that the tests will leave open, and what would determine them."""
+    # Loaded late, for it takes SciPy.
+    from grainfit.which_test.narrowing import expected_narrowing
+
+    for note in expected_narrowing(context.problem, context.solvers).notes:
+        yield "", note

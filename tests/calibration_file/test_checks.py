@@ -1,0 +1,184 @@
+"""Every check has a file that triggers it, and names a line of it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.calibration_file.checks.registry import all_checks
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.starter import starter_file
+from grainfit.cli.app import app
+
+ROOT = Path(__file__).parents[2]
+BEADS = (ROOT / "examples" / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
+BLADE = (ROOT / "examples" / "blade" / "calibration.toml").read_text(encoding="utf-8")
+REFERENCE = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
+
+TYPE = 'type = "heap"'
+PACKING = (
+    '[[test]]\ntype = "packing"\nsolver = "liggghts"\ntargets.bulk_density = { value = 1500 }\n'
+)
+DISCHARGE = (
+    '[[test]]\ntype = "discharge"\nsolver = "lammps"\nslot_width = "15 mm"\n'
+    "targets.mass_flow = { value = 1 }\n"
+)
+HUGE = (
+    'cylinder_radius = "200 mm"\nplate_radius = "700 mm"\n'
+    'strike_off_height = "400 mm"\nlift_height = "500 mm"'
+)
+STIFF = ('youngs_modulus = "0.36 MPa"', 'youngs_modulus = "100 MPa"')
+RESTITUTION = "restitution = 0.79"
+DIAMETER = 'diameter = "10 mm"'
+CLASSES = (
+    'diameter = [{ value = "10 mm", mass_fraction = 0.001 },'
+    ' { value = "8 mm", mass_fraction = 0.999 }]'
+)
+#: Two tests on the output of the same command, and on the same function.
+COMMANDS, FUNCTIONS = (
+    'name = "sand"\n[parameters]\nfriction = { min = 0.1, max = 0.9 }\n'
+    + "".join(
+        f'[[test]]\nname = "{name}"\n{model}\ntargets.{name} = {{ value = 1 }}\n'
+        for name, model in (("angle", first), ("flow", second))
+    )
+    for first, second in [
+        [
+            'type = "command"\nfolder = "model"\ncommand = ["sh", "drum.sh", "{{ friction }}"]\n'
+            f'evaluate = "measure.py:{name}"'
+            for name in ("angle", "flow")
+        ],
+        ['type = "python"\nfunction = "measure.py:angle"\nparameters = ["friction"]'] * 2,
+    ]
+)
+
+
+def changed(*changes: tuple[str, str], text: str = BEADS) -> str:
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
+def heap(lines: str) -> str:
+    return changed((TYPE, f"{TYPE}\n{lines}"))
+
+
+#: By check: its severity, a file that triggers it, and the line that it names, as that begins.
+CASES = {
+    "too-few-targets": (
+        "note",
+        changed((RESTITUTION, "restitution = { min = 0.5, max = 0.9 }")),
+        "",
+    ),
+    "open-parameters": (
+        "note",
+        changed((RESTITUTION, "restitution = { min = 0.5, max = 0.9 }")),
+        "",
+    ),
+    "soft-particles": ("note", BEADS, "youngs_modulus = "),
+    "solvers-differ": ("warning", f"{BEADS}\n{PACKING}", ""),
+    "large-time-step": ("warning", heap("time_step_fraction = 0.3"), "time_step_fraction = "),
+    "long-runs": ("note", changed((TYPE, f"{TYPE}\n{HUGE}"), STIFF), "[[test]]"),
+    "shared-simulation": ("note", COMMANDS, "[[test]]"),
+    "repeated-simulation": ("note", FUNCTIONS, "[[test]]"),
+    "few-particles": ("warning", changed((DIAMETER, CLASSES)), "diameter = "),
+    "near-spheres": (
+        "note",
+        changed((DIAMETER, f'{DIAMETER}\nshape = "two_spheres"\naspect_ratio = 1.05')),
+        "aspect_ratio = ",
+    ),
+    "impossible-bulk-density": (
+        "warning",
+        changed(('max = "2793 kg/m^3"', 'max = "1700 kg/m^3"')),
+        "targets.bulk_density = ",
+    ),
+    "surplus-particles": ("note", heap("particle_count = 40000"), "particle_count = "),
+    "small-plate": (
+        "warning",
+        heap('plate_radius = "65 mm"\ntargets.heap_height = { value = "53 mm" }'),
+        "plate_radius = ",
+    ),
+    "narrow-orifice": ("warning", f"{BEADS}\n{DISCHARGE}", "slot_width = "),
+    "smooth-walls": (
+        "warning",
+        changed(
+            ("rolling_friction = 0.05 ", "rolling_friction = 0.005 "),
+            text=starter_file(["draw_down"]),
+        ),
+        "rolling_friction = 0.005",
+    ),
+    "coarse-grained-scene": (
+        "note",
+        changed((DIAMETER, f"{DIAMETER}\ncoarse_graining = 2"), text=BLADE),
+        "scene = ",
+    ),
+    "fine-tolerance": (
+        "note",
+        changed(('uncertainty = "1 %"', "uncertainty = 1")),
+        "targets.bulk_density = ",
+    ),
+    "short-timeout": ("warning", heap('timeout = "1 s"'), "timeout = "),
+    "long-calibration": ("note", changed((TYPE, f"{TYPE}\n{HUGE}"), STIFF), ""),
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Folder of a calibration file with the models of all tests."""
+    shutil.copy(ROOT / "examples" / "blade" / "blade.py", tmp_path)
+    (tmp_path / "model").mkdir()
+    code = "def angle(*given):\n    return {}\n\n\ndef flow(*given):\n    return {}\n"
+    for place in (tmp_path, tmp_path / "model"):
+        (place / "measure.py").write_text(code)
+        (place / "drum.sh").write_text("true\n")
+    return tmp_path
+
+
+def test_every_registered_check_is_tested_here() -> None:
+    assert set(CASES) == {check.name for check in all_checks()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_check_names_itself_its_severity_and_a_line(folder: Path, name: str) -> None:
+    severity, text, line = CASES[name]
+    path = folder / "calibration.toml"
+    path.write_text(text, encoding="utf-8")
+
+    findings = describe_plan(gf.load(path)).findings
+
+    found = next(finding for finding in findings if finding.check == name)
+    assert found.severity == severity
+    assert "\n" not in found.text
+    lines = ["", *text.splitlines()]
+    assert lines[found.line or 0].startswith(line)
+    assert bool(line) == (found.line is not None)
+
+
+def test_json_lists_what_the_terminal_shows(folder: Path) -> None:
+    path = folder / "calibration.toml"
+    path.write_text(heap('timeout = "1 s"\nparticle_count = 40000'), encoding="utf-8")
+    shown = CliRunner().invoke(app, ["check", str(path)])
+    document = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).output)
+
+    findings = document["findings"]
+    assert [finding["check"] for finding in findings] == [
+        "soft-particles",
+        "surplus-particles",
+        "short-timeout",
+    ]
+    assert findings[1]["key"] == "test[0].particle_count"
+    assert [finding["text"] for finding in findings] == document["notes"]
+    flat = " ".join(shown.output.split())
+    places = [flat.index(finding["text"]) for finding in findings]
+    assert places == sorted(places)
+
+
+def test_the_documentation_lists_all_checks() -> None:
+    for check in all_checks():
+        row = f"| `{check.name}` | {check.severity} | {check.about} |"
+        assert row in REFERENCE, row
