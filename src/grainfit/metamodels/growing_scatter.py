@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize
 
 from grainfit.metamodels.predictor import FloatArray
 
@@ -90,6 +90,9 @@ def find_growing_scatter(points: FloatArray, residuals: FloatArray) -> GrowingSc
 def _changes(points: FloatArray, residuals: FloatArray) -> bool:
     if np.ptp(np.abs(residuals)) == 0:
         return False
+    # Loaded late, because it takes half a second.
+    from scipy import stats
+
     axes = [axis for axis in points.T if np.ptp(axis) > 0]
     chances = [stats.spearmanr(np.abs(residuals), axis).pvalue for axis in axes]
     return bool(chances) and min(chances) < _SUSPICIOUS / len(chances)

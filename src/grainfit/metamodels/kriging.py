@@ -20,7 +20,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtrit
-from scipy.stats import binom
 from threadpoolctl import threadpool_limits
 
 from grainfit.errors import InputError
@@ -650,6 +649,9 @@ class Kriging:
         )
 
     def _warning_of_coverage(self) -> str:
+        # Loaded late, because it takes half a second.
+        from scipy.stats import binom
+
         quality = self.leave_one_out()
         inside = round(quality.coverage * self.n)
         if float(binom.cdf(inside, self.n, 0.95)) >= 0.01:

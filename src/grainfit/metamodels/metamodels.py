@@ -9,7 +9,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
-from scipy.stats import qmc
 
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
@@ -380,6 +379,9 @@ class Metamodels:
 @cache
 def _even_outcomes(responses: int) -> Array:
     """Points spread evenly over the unit cube, shape (n, responses)."""
+    # Loaded late, because it takes half a second.
+    from scipy.stats import qmc
+
     points = qmc.Sobol(responses, rng=1967).random(_OUTCOMES)
     return np.asarray(np.clip(points, 1e-6, 1 - 1e-6))
 

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.special import stdtrit
-from scipy.stats import binom
 
 from grainfit.metamodels.growing_scatter import find_growing_scatter
 from grainfit.metamodels.kriging import Kriging
@@ -158,6 +157,9 @@ def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:
 
     There they would show a response that the metamodel misses, and no outliers.
     """
+    # Loaded late, because it takes half a second.
+    from scipy.stats import binom
+
     distances = cdist(points[left_out], points)
     is_out = np.isin(np.arange(len(points)), left_out)
     for row in distances:

@@ -7,7 +7,6 @@ like it, which the user has to know.
 from __future__ import annotations
 
 import numpy as np
-from scipy import stats
 
 from grainfit.metamodels.predictor import FloatArray
 
@@ -31,4 +30,7 @@ def has_two_states(residuals: FloatArray) -> bool:
     """
     if len(residuals) < _FEWEST_RUNS or np.ptp(residuals) == 0:
         return False
+    # Loaded late, because it takes half a second.
+    from scipy import stats
+
     return bool(stats.kurtosistest(residuals, alternative="less").pvalue < FALSE_ALARM)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from grainfit.metamodels.metamodels import Metamodels
 
@@ -23,6 +22,9 @@ _MOVED_AXES = 3.0
 def spread_points(count: int, dimension: int, random: np.random.Generator) -> Array:
     """Points spread evenly over the unit cube (scrambled Sobol sequence), shape (count, d)."""
     power = int(np.ceil(np.log2(count)))
+    # Loaded late, because it takes half a second.
+    from scipy.stats import qmc
+
     sequence = qmc.Sobol(dimension, rng=random)
     return np.asarray(sequence.random_base2(power)[:count], dtype=float)
 

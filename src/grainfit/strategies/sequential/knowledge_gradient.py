@@ -7,7 +7,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
-from scipy.stats import qmc
 
 from grainfit.metamodels.metamodels import Metamodels
 
@@ -114,6 +113,9 @@ class KnowledgeGradient:
 @cache
 def _normal_outcomes(responses: int) -> Array:
     """Equally likely standard normal vectors, symmetric about zero, shape (n, responses)."""
+    # Loaded late, because it takes half a second.
+    from scipy.stats import qmc
+
     uniform = qmc.Sobol(responses, rng=2019).random(_OUTCOMES // 2)
     half = ndtri(np.clip(uniform, 1e-3, 1 - 1e-3))
     return np.asarray(np.vstack([half, -half]))
