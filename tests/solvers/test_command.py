@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 import threading
 import time
@@ -14,6 +15,7 @@ import pytest
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.prime_seed import prime_seeds
@@ -431,7 +433,7 @@ def test_time_out_is_for_simulation_and_evaluation_together(tmp_path):
     )
     started = time.monotonic()
 
-    with pytest.raises(RunFailedError, match="took longer than the time-out of 3 s"):
+    with pytest.raises(RunFailedError, match=re.escape(messages.EVALUATION_TOO_LONG(timeout=3.0))):
         solver.run({}, 1, workspace(tmp_path, timeout=3.0))
 
     # A time-out of its own for the evaluation would end it 5 s after the start.
@@ -508,11 +510,13 @@ def test_check_names_what_is_missing(tmp_path):
     assert "no-such-program" in fault(Command(folder, ["no-such-program"]), SolverNotFoundError)
     assert "./gone.sh" in fault(Command(folder, ["./gone.sh"]), SolverNotFoundError)
     assert "/no/such" in fault(Command(folder, ["/no/such"]), SolverNotFoundError)
-    assert "run.sh: cannot be executed. Allow it: chmod +x" in fault(Command(folder, ["./run.sh"]))
+    assert messages.NOT_EXECUTABLE.is_in(fault(Command(folder, ["./run.sh"])))
     assert "No such file" in fault(Command(folder, ["true"], evaluate="none.py:measure"))
     assert "no function 'measure'" in fault(Command(folder, ["true"], evaluate="a.py:measure"))
     assert "line 1" in fault(Command(folder, ["true"], evaluate="broken.py:measure"))
-    assert "no file matches 'in.*'" in fault(Command(folder, ["true"], templates=["in.*"]))
+    assert messages.NO_TEMPLATE(pattern="in.*") in fault(
+        Command(folder, ["true"], templates=["in.*"])
+    )
 
 
 @pytest.mark.parametrize(
@@ -563,7 +567,9 @@ def test_parameter_that_the_model_never_reads(tmp_path):
     solver = Command(folder, ["true"])
 
     solver.definition({"particle.density": 1.0}, 1)
-    with pytest.raises(InputError, match=r"wall\.restitution: is mentioned nowhere") as caught:
+    with pytest.raises(
+        InputError, match=rf"wall\.restitution: {messages.UNMENTIONED.pattern}"
+    ) as caught:
         solver.definition({"particle.density": 1.0, "wall.restitution": 0.5}, 1)
     assert "the variable wall_restitution" in str(caught.value)
     (folder / "read.py").write_text("open('parameters.json')")
@@ -573,12 +579,12 @@ def test_parameter_that_the_model_never_reads(tmp_path):
 @pytest.mark.parametrize(
     ("names", "said"),
     [
-        (["seed"], "seed: 'seed' is reserved"),
-        (["prime_seed_2"], "prime_seed_2: 'prime_seed_2' is reserved"),
-        (["prime.seed"], "prime.seed: is the solver variable prime_seed, which is reserved"),
-        (["parameters.x"], "'parameters' is reserved"),
-        (["a.b", "a_b"], "a_b: is the same solver variable as a.b"),
-        (["a", "a.b"], "a: is the beginning of another name too"),
+        (["seed"], messages.RESERVED_NAME.fault("seed", root="seed")),
+        (["prime_seed_2"], messages.RESERVED_NAME.fault("prime_seed_2", root="prime_seed_2")),
+        (["prime.seed"], messages.RESERVED_VARIABLE.fault("prime.seed", variable="prime_seed")),
+        (["parameters.x"], messages.RESERVED_NAME.fault("parameters.x", root="parameters")),
+        (["a.b", "a_b"], messages.SAME_VARIABLE.fault("a_b", other="a.b")),
+        (["a", "a.b"], messages.BEGINS_ANOTHER.fault("a")),
     ],
 )
 def test_names_that_cannot_be_told_apart(tmp_path, names, said):
@@ -587,18 +593,18 @@ def test_names_that_cannot_be_told_apart(tmp_path, names, said):
     with pytest.raises(InputError) as caught:
         solver.definition(dict.fromkeys(names, 1.0), 1)
 
-    assert said in str(caught.value)
+    assert said in caught.value.faults
 
 
 @pytest.mark.parametrize("command", [[], "lmp -in deck", ["lmp", ""], [""]])
 def test_command_must_be_a_list_of_words(tmp_path, command):
-    with pytest.raises(InputError, match="Give program and arguments as a list"):
+    with pytest.raises(InputError, match=messages.NO_COMMAND.pattern):
         Command(tmp_path, command)
 
 
 @pytest.mark.parametrize("name", ["/etc/responses.json", "../responses.json"])
 def test_responses_must_be_in_the_folder_of_the_run(tmp_path, name):
-    with pytest.raises(InputError, match="outside the run's folder"):
+    with pytest.raises(InputError, match=messages.RESPONSES_OUTSIDE.pattern):
         Command(tmp_path, ["true"], responses=name)
 
 

@@ -17,6 +17,7 @@ import pytest
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.testing.solver_contract import SolverContract
 
@@ -189,7 +190,7 @@ def test_function_is_called_in_the_calling_thread_without_a_lock(tmp_path):
 
 
 def test_something_that_cannot_be_called():
-    with pytest.raises(InputError, match=r"simulate: 3\.0 cannot be called"):
+    with pytest.raises(InputError, match=messages.NO_FUNCTION.pattern):
         PythonCallable(3.0)
 
 

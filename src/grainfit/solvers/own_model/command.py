@@ -21,6 +21,7 @@ from grainfit.files import is_file, log_tail
 from grainfit.formatting import variable_name
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.evaluation import (
     RESPONSES_NAME,
     evaluation_log,
@@ -101,26 +102,12 @@ class Command(Solver):
         name: str = "command",
     ) -> None:
         if isinstance(command, str) or not command or not all(command):
-            raise InputError(
-                Fault(
-                    "command",
-                    f"is {command!r}.",
-                    'Give program and arguments as a list: ["lmp", "-in", "in.deck"].',
-                )
-            )
+            raise InputError(messages.NO_COMMAND.fault("command", command=command))
         if not Path(command[0]).is_absolute() and ".." in Path(command[0]).parts:
             # In the run folder the same relative path would be another file.
-            raise InputError(
-                Fault(
-                    "command",
-                    f"{command[0]!r} is outside the model's folder.",
-                    "Put the program into the folder, or give its whole path.",
-                )
-            )
+            raise InputError(messages.PROGRAM_OUTSIDE.fault("command", program=command[0]))
         if Path(responses).is_absolute() or ".." in Path(responses).parts:
-            raise InputError(
-                Fault("responses", f"{responses!r} is outside the run's folder.", "Name a file.")
-            )
+            raise InputError(messages.RESPONSES_OUTSIDE.fault("responses", file=responses))
         self.name = name
         self._command = tuple(command)
         self._fixed = finite_parameters(parameters or {})
@@ -225,7 +212,7 @@ class Command(Solver):
             A parameter is unknown, or a template names one that has no value.
         """
         if workspace.cancelled.is_set():
-            raise RunFailedError("stopped by the user", kind="cancelled")
+            raise RunFailedError(messages.STOPPED(), kind="cancelled")
         values = self._values(parameters)
         if faults := self._unmentioned(parameters):
             raise InputError(faults, str(self._model.path))
@@ -290,7 +277,7 @@ class Command(Solver):
     def _require_matches(self) -> None:
         default = f"*{_TEMPLATE_SUFFIX}"
         faults = [
-            Fault("templates", f"no file matches {pattern!r}.", "Name a file of the folder.")
+            messages.NO_TEMPLATE.fault("templates", pattern=pattern)
             for pattern in self._templates
             if pattern != default
             and not any(fnmatchcase(name, pattern) for name in self._model.files())
@@ -305,11 +292,12 @@ class Command(Solver):
     def _unmentioned(self, names: Iterable[str]) -> list[Fault]:
         """Return a fault for each parameter that the model does not use: it would fit noise."""
         return [
-            Fault(
+            messages.UNMENTIONED.fault(
                 name,
-                "is mentioned nowhere in the model, which therefore cannot depend on it.",
-                f"Use {{{{ {name} }}}} in a template or in the command, or include "
-                f"{INCLUDE_NAME} and use the variable {variable_name(name)}, or read {JSON_NAME}.",
+                name=name,
+                include=INCLUDE_NAME,
+                variable=variable_name(name),
+                json=JSON_NAME,
             )
             for name in names
             if name not in self._mentions
@@ -323,15 +311,10 @@ class Command(Solver):
         template = Path(f"{path}{_TEMPLATE_SUFFIX}")
         found = next((file for file in (path, template) if is_file(file)), None)
         if found is None:
-            raise SolverNotFoundError(
-                f"the program {program!r} is neither on the PATH nor in {self._model.path}. "
-                "Install it, or give its path."
-            )
+            raise SolverNotFoundError(messages.NO_PROGRAM(program=program, folder=self._model.path))
         if not os.access(found, os.X_OK):
-            raise InputError(
-                Fault(found.name, "cannot be executed.", f"Allow it: chmod +x '{found}'"),
-                str(self._model.path),
-            )
+            fault = messages.NOT_EXECUTABLE.fault(found.name, path=found)
+            raise InputError(fault, str(self._model.path))
 
     # --- a run -------------------------------------------------------------------------------
 
@@ -339,11 +322,8 @@ class Command(Solver):
         """Prepare the run folder; return the command."""
         require_distinct(values)
         if self._contents_now() != self._contents:
-            raise RunFailedError(
-                f"the files in {self._model.path} were changed while the calibration is running; "
-                "start it again",
-                kind="machine",
-            )
+            reason = messages.CHANGED_MODEL(folder=self._model.path)
+            raise RunFailedError(reason, kind="machine")
         folder = workspace.folder
         self._model.copy(folder)
         files = {name: name.removesuffix(_TEMPLATE_SUFFIX) for name in self._template_files()}

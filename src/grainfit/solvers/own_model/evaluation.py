@@ -14,7 +14,7 @@ from grainfit.evaluation.exchange import about_missing, read_responses
 from grainfit.files import LARGEST_RESPONSES, log_tail, read_within
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.own_model import measure_folder
+from grainfit.solvers.own_model import measure_folder, messages
 from grainfit.solvers.process.process import LOG_NAME, run_process
 
 RESPONSES_NAME = "responses.json"
@@ -60,8 +60,8 @@ def measure_with(
             if responses[name] == found[name]:
                 continue
             if expected is None or name in expected:
-                both = f"both {origins[name]} and {origin} return the response {name}"
-                raise RunFailedError(f"{both}, with different values", kind="evaluation")
+                reason = messages.TWO_VALUES(first=origins[name], second=origin, name=name)
+                raise RunFailedError(reason, kind="evaluation")
             ambiguous.add(name)
         found |= responses
         origins |= dict.fromkeys(responses, origin)
@@ -98,13 +98,11 @@ def _call(
         if error.kind in ("cancelled", "machine"):
             raise
         if error.kind == "timeout":
-            limit = f"the time-out of {workspace.timeout:g} s"
-            reason = f"simulation and evaluation took longer than {limit}"
+            reason = messages.EVALUATION_TOO_LONG(timeout=workspace.timeout)
             raise RunFailedError(reason, error.log_tail, "timeout") from error
         what = error.log_tail.rstrip().rpartition("\n")[2] or error.reason
-        raise RunFailedError(
-            f"{file.name}:{function.function} failed: {what}", error.log_tail, "evaluation"
-        ) from error
+        reason = messages.EVALUATION_FAILED(file=file.name, function=function.function, reason=what)
+        raise RunFailedError(reason, error.log_tail, "evaluation") from error
 
 
 def responses_in(

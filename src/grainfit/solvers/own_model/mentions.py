@@ -12,6 +12,7 @@ from functools import cached_property
 from grainfit.errors import Fault
 from grainfit.formatting import variable_name
 from grainfit.options.kinds import suggest
+from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.fill_templates import ALL_VALUES
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.model_input import INCLUDE_NAME, JSON_NAME, RESERVED, Templates
@@ -45,8 +46,8 @@ class Undefined:
     def fault(self) -> Fault:
         """The fault, with a suggestion."""
         shown = f'{ALL_VALUES}["{self._name}"]' if self.path[0] == ALL_VALUES else self._name
-        words = f"{shown} is no parameter that the model is passed."
-        return Fault(self.where, words, suggest(self._name, self.known, "There are"))
+        remedy = suggest(self._name, self.known, "There are")
+        return messages.UNDEFINED.fault(self.where, name=shown, remedy=remedy)
 
     @property
     def _name(self) -> str:

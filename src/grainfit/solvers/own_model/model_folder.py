@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 
 from grainfit.errors import Fault, InputError
 from grainfit.files import LARGEST_MODEL, MOST_MODEL_FILES, is_file, is_folder, read_within
+from grainfit.solvers.own_model import messages
 
 _SKIPPED_FOLDERS = frozenset({"__pycache__"})
 
@@ -39,14 +40,12 @@ class ModelFolder:
 
     def check(self) -> None:
         """Raise `InputError` unless the folder exists, is not too large, and can be copied."""
-        remedy = "Give the folder of your model."
         if not is_folder(self.path):
-            raise InputError(Fault("folder", "does not exist.", remedy), str(self.path))
+            raise InputError(messages.NO_FOLDER.fault("folder"), str(self.path))
         if os.path.realpath(self.path) == os.path.realpath(self.path.anchor):
-            raise InputError(Fault("folder", "holds all files.", remedy), str(self.path))
+            raise InputError(messages.ALL_FILES.fault("folder"), str(self.path))
         faults = [
-            Fault(name, problem, "Put a copy of the files there instead.")
-            for name, problem in self._unusable()
+            messages.NOT_COPIED.fault(name, problem=problem) for name, problem in self._unusable()
         ]
         try:
             self.files()
@@ -106,13 +105,12 @@ class ModelFolder:
         """
         path = self.path / name
         if not self._is_inside(path):
-            raise InputError(Fault(name, "is outside the folder."), str(self.path))
+            raise InputError(messages.FILE_OUTSIDE.fault(name), str(self.path))
         try:
             return read_within(path, largest)
         except OSError as error:
-            raise InputError(
-                Fault(name, f"cannot be read: {error.strerror}."), str(self.path)
-            ) from error
+            fault = messages.NOT_READ.fault(name, error=error.strerror)
+            raise InputError(fault, str(self.path)) from error
 
     def copy(self, target: Path) -> None:
         """Copy the model's files, with their permissions, into an existing folder.
@@ -166,15 +164,8 @@ class ModelFolder:
             folders[:] = [name for name in folders if not _is_skipped(base / name)]
             met += len(folders) + len(files)
             if met > MOST_MODEL_FILES:
-                raise InputError(
-                    Fault(
-                        "folder",
-                        f"holds more than {MOST_MODEL_FILES} files and folders, and is copied for "
-                        "every run.",
-                        "Is it the folder of your model? Leave only what a run reads.",
-                    ),
-                    str(self.path),
-                )
+                fault = messages.TOO_MANY_FILES.fault("folder", most=MOST_MODEL_FILES)
+                raise InputError(fault, str(self.path))
             for name in files + links:
                 if not name.startswith("."):
                     path = base / name
@@ -185,9 +176,8 @@ class ModelFolder:
         if isinstance(error, FileNotFoundError | NotADirectoryError):
             return
         name = os.path.relpath(error.filename or self.path, self.path)
-        words = f"cannot be read: {error.strerror}."
-        remedy = "Leave only what a run reads in the folder of your model, or allow it."
-        raise InputError(Fault(name, words, remedy), str(self.path)) from error
+        fault = messages.NOT_LISTED.fault(name, error=error.strerror)
+        raise InputError(fault, str(self.path)) from error
 
 
 def is_inside(path: Path, folder: Path) -> bool:

@@ -19,7 +19,7 @@ from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.files import LARGEST_TEMPLATE
 from grainfit.formatting import variable_name
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.own_model import fill_templates
+from grainfit.solvers.own_model import fill_templates, messages
 from grainfit.solvers.own_model.fill_templates import (
     ALL_VALUES,
     fault_of,
@@ -75,17 +75,15 @@ def require_distinct(values: Mapping[str, float]) -> None:
     for name in values:
         root = name.split(".")[0]
         if root in RESERVED:
-            faults.append(Fault(name, f"{root!r} is reserved.", "Give it another name."))
+            faults.append(messages.RESERVED_NAME.fault(name, root=root))
         elif variable_name(name) in RESERVED:
-            words = f"is the solver variable {variable_name(name)}, which is reserved."
-            faults.append(Fault(name, words, "Give it another name."))
+            variable = variable_name(name)
+            faults.append(messages.RESERVED_VARIABLE.fault(name, variable=variable))
         other = seen.setdefault(variable_name(name), name)
         if other != name:
-            faults.append(
-                Fault(name, f"is the same solver variable as {other}.", "Rename one of them.")
-            )
+            faults.append(messages.SAME_VARIABLE.fault(name, other=other))
         if any(longer.startswith(f"{name}.") for longer in values):
-            faults.append(Fault(name, "is the beginning of another name too.", "Rename it."))
+            faults.append(messages.BEGINS_ANOTHER.fault(name))
     if faults:
         raise InputError(faults)
 
@@ -244,7 +242,7 @@ class Templates:
             return error
         *_, where = error.log_tail.splitlines() or ["templates"]
         if error.kind == "timeout":
-            words = f"filling in {where} took longer than {timeout:g} s and was ended"
-            return RunFailedError(words, kind="timeout")
-        fault = Fault("templates", f"cannot be filled in: {error.reason}.")
+            reason = messages.FILLING_TOO_LONG(where=where, timeout=timeout)
+            return RunFailedError(reason, kind="timeout")
+        fault = messages.NOT_FILLED_IN.fault("templates", reason=error.reason)
         return InputError(fault, str(self._model.path))

@@ -19,11 +19,12 @@ from typing import Any
 import numpy as np
 from typing_extensions import override
 
-from grainfit.errors import Fault, GrainfitError, InputError, RunFailedError
+from grainfit.errors import GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.evaluation.exchange import finite_parameters, read_responses
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.own_model import messages
 from grainfit.solvers.process.faults import machine_error
 
 Function = Callable[[dict[str, float], int], Mapping[str, Any]]
@@ -74,13 +75,7 @@ class PythonCallable(Solver):
         identity: str | None = None,
     ) -> None:
         if not callable(function):
-            raise InputError(
-                Fault(
-                    "simulate",
-                    f"{function!r} cannot be called.",
-                    "Give a function of the parameters by name and a seed.",
-                )
-            )
+            raise InputError(messages.NO_FUNCTION.fault("simulate", function=function))
         self.name = name
         self._function = function
         self._response_names = None if response_names is None else tuple(response_names)
@@ -154,7 +149,7 @@ class PythonCallable(Solver):
         """
         values = finite_parameters(parameters)
         if workspace.cancelled.is_set():
-            raise RunFailedError("stopped by the user", kind="cancelled")
+            raise RunFailedError(messages.STOPPED(), kind="cancelled")
         try:
             found = self._function(values, int(seed))
         except RunFailedError:

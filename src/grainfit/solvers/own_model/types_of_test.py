@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.options.functions import Function, find_function
 from grainfit.options.kinds import Flag, ListOf, OneOrMore, Text
 from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Values
 from grainfit.solvers.base import Solver
+from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import is_inside
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -92,9 +93,8 @@ def _left_out(entry: FileEntry) -> frozenset[str]:
     unknown = [name for name in given if name not in entry.free]
     if unknown or not given:
         named = ", ".join(map(repr, unknown)) or "nothing"
-        remedy = f"Name some of: {', '.join(entry.free)}."
-        message = f"name {named}, which is no free parameter of the file."
-        raise InputError(Fault(_PARAMETERS.name, message, remedy))
+        free = ", ".join(entry.free)
+        raise InputError(messages.NO_FREE_PARAMETER.fault(_PARAMETERS.name, named=named, free=free))
     return frozenset(entry.free) - frozenset(given)
 
 

@@ -1,0 +1,73 @@
+"""Texts of custom models for the user."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+# --- command and function ------------------------------------------------------------------------
+
+NO_COMMAND = Message(
+    "is {command!r}.", 'Give program and arguments as a list: ["lmp", "-in", "in.deck"].'
+)
+PROGRAM_OUTSIDE = Message(
+    "{program!r} is outside the model's folder.",
+    "Put the program into the folder, or give its whole path.",
+)
+RESPONSES_OUTSIDE = Message("{file!r} is outside the run's folder.", "Name a file.")
+NO_TEMPLATE = Message("no file matches {pattern!r}.", "Name a file of the folder.")
+UNMENTIONED = Message(
+    "is mentioned nowhere in the model, which therefore cannot depend on it.",
+    "Use {{{{ {name} }}}} in a template or in the command, or include {include} and use the "
+    "variable {variable}, or read {json}.",
+)
+NO_PROGRAM = Message(
+    "the program {program!r} is neither on the PATH nor in {folder}.",
+    "Install it, or give its path.",
+)
+NOT_EXECUTABLE = Message("cannot be executed.", "Allow it: chmod +x '{path}'")
+NO_FUNCTION = Message(
+    "{function!r} cannot be called.", "Give a function of the parameters by name and a seed."
+)
+NO_FREE_PARAMETER = Message(
+    "name {named}, which is no free parameter of the file.", "Name some of: {free}."
+)
+
+# --- names of parameters -------------------------------------------------------------------------
+
+RESERVED_NAME = Message("{root!r} is reserved.", "Give it another name.")
+RESERVED_VARIABLE = Message(
+    "is the solver variable {variable}, which is reserved.", "Give it another name."
+)
+SAME_VARIABLE = Message("is the same solver variable as {other}.", "Rename one of them.")
+BEGINS_ANOTHER = Message("is the beginning of another name too.", "Rename it.")
+UNDEFINED = Message("{name} is no parameter that the model is passed.", "{remedy}")
+NOT_FILLED_IN = Message("cannot be filled in: {reason}.")
+
+# --- folder --------------------------------------------------------------------------------------
+
+NO_FOLDER = Message("does not exist.", "Give the folder of your model.")
+ALL_FILES = Message("holds all files.", "Give the folder of your model.")
+NOT_COPIED = Message("{problem}", "Put a copy of the files there instead.")
+TOO_MANY_FILES = Message(
+    "holds more than {most} files and folders, and is copied for every run.",
+    "Is it the folder of your model? Leave only what a run reads.",
+)
+FILE_OUTSIDE = Message("is outside the folder.")
+NOT_READ = Message("cannot be read: {error}.")
+NOT_LISTED = Message(
+    "cannot be read: {error}.",
+    "Leave only what a run reads in the folder of your model, or allow it.",
+)
+
+# --- runs ----------------------------------------------------------------------------------------
+
+STOPPED = Message("stopped by the user")
+CHANGED_MODEL = Message(
+    "the files in {folder} were changed while the calibration is running; start it again"
+)
+TWO_VALUES = Message("both {first} and {second} return the response {name}, with different values")
+EVALUATION_TOO_LONG = Message(
+    "simulation and evaluation took longer than the time-out of {timeout:g} s"
+)
+EVALUATION_FAILED = Message("{file}:{function} failed: {reason}")
+FILLING_TOO_LONG = Message("filling in {where} took longer than {timeout:g} s and was ended")
