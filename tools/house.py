@@ -11,6 +11,7 @@ import ast
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -66,7 +67,6 @@ class Import:
     importer: str
     imported: str
     line: int
-    at_run_time: bool
 
     def __str__(self) -> str:
         return f"{self.importer} (line {self.line}) imports {self.imported}"
@@ -82,19 +82,18 @@ def modules(source: Path = ROOT / "src") -> dict[str, Path]:
     return found
 
 
-def imports(source: Path = ROOT / "src") -> list[Import]:
+@cache
+def imports(source: Path = ROOT / "src") -> tuple[Import, ...]:
     """Return all imports between modules of the package, those inside functions included."""
     known = modules(source)
     found = []
     for importer, path in known.items():
         tree = ast.parse(path.read_text(encoding="utf-8"))
-        for_types = _type_checking_lines(tree)
         for node in ast.walk(tree):
             for imported in _imported(node, known):
-                at_run_time = node.lineno not in for_types  # type: ignore[attr-defined]
                 line: int = node.lineno  # type: ignore[attr-defined]
-                found.append(Import(importer, imported, line, at_run_time))
-    return found
+                found.append(Import(importer, imported, line))
+    return tuple(found)
 
 
 def room_of(module: str) -> str:
@@ -148,14 +147,6 @@ def _imported(node: ast.AST, known: Mapping[str, Path]) -> Iterator[str]:
             yield module if module in known else str(node.module)
     elif isinstance(node, ast.Import):
         yield from (alias.name for alias in node.names if alias.name in known)
-
-
-def _type_checking_lines(tree: ast.Module) -> set[int]:
-    lines: set[int] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
-            lines.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-    return lines
 
 
 # The picture ---------------------------------------------------------------------------------
