@@ -196,7 +196,7 @@ app(["run", "--help"])
     done = _python(tmp_path, code)
     assert done.returncode == 0, done.stderr
     assert "['sequential', 'staged', 'patient'] {'description': 'Naps between runs." in done.stdout
-    assert "Patient(design_runs=None, prefer='time_step'" in done.stdout
+    assert "Patient(naps=3)" in done.stdout
     assert "--naps" in done.stdout
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -21,8 +22,9 @@ _NO_EFFECT = 1e9
 # A linear trend must leave as many degrees of freedom as it uses, and at least these. Otherwise the
 # trend is constant: with fewer runs, least-squares slopes predict worse than none.
 _FREE_CONTRASTS = 3
-#: Variance, over the largest, that is added where rounding makes a covariance indefinite.
-_JITTER = 1e-9
+#: Variances, over the largest, that are added one after the other until a covariance that rounding
+#: makes indefinite has a Cholesky factor.
+_JITTERS = (1e-9, 1e-8, 1e-7, 1e-6)
 
 
 def matern(distance: FloatArray) -> FloatArray:
@@ -160,13 +162,13 @@ class Hyperparameters:
 
 def _cholesky(covariance: FloatArray) -> FloatArray:
     """Lower Cholesky factor, also of runs without scatter so close that rounding hides them."""
-    try:
-        return np.asarray(linalg.cholesky(covariance, lower=True))
-    except linalg.LinAlgError:
-        jitter = _JITTER * float(np.diagonal(covariance).max())
-        return np.asarray(
-            linalg.cholesky(covariance + jitter * np.eye(len(covariance)), lower=True)
-        )
+    largest = float(np.diagonal(covariance).max())
+    # By how much rounding hides a run depends on the linear algebra of the processor.
+    for jitter in (0.0, *_JITTERS):
+        raised = covariance + jitter * largest * np.eye(len(covariance)) if jitter else covariance
+        with suppress(linalg.LinAlgError):
+            return np.asarray(linalg.cholesky(raised, lower=True))
+    raise linalg.LinAlgError("the covariance of the runs has no Cholesky factor")
 
 
 class LeavingOut:
