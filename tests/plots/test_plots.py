@@ -124,7 +124,7 @@ def test_the_analysis_is_made_once(
     assert first.posterior is not None
     assert same is not None
     assert (first.posterior.values == same.values).all()
-    monkeypatch.setattr("grainfit.analysis.analyse", None)
+    monkeypatch.setattr("grainfit.analysis.analysis.analyse", None)
 
     assert fresh.analyse() is first
     gf.plots.sensitivity(fresh)

@@ -198,7 +198,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Report]:
             campaigns.campaign(name, tmp_path_factory.mktemp(name)) as folder,
             pytest.MonkeyPatch.context() as patch,
         ):
-            patch.setattr("grainfit.analysis.analyse", analyse_and_tell)
+            patch.setattr("grainfit.analysis.analysis.analyse", analyse_and_tell)
             return Report(write_report(folder), analyses[0].metamodels)
 
     return written
