@@ -39,6 +39,63 @@ WALKS: Mapping[str, tuple[str, ...]] = {
     "`gf.open` folder": ("grainfit.opened:open_calibration:folder",),
     "`gf.calibrate` problem": ("grainfit.calibration.calibrate:calibrate:problem",),
 }
+#: Tasks of a maintainer: files that a reader of version 0.2.0 opened, and those to open now, under
+#: `src/grainfit` unless they are tests. None where nobody followed the task.
+TASKS: Mapping[str, tuple[int | None, tuple[str, ...]]] = {
+    "add a bulk test": (
+        25,
+        (
+            "bulk_tests/base.py",
+            "bulk_tests/setup.py",
+            "bulk_tests/packing/bulk_test.py",
+            "bulk_tests/shared/filling.py",
+            "bulk_tests/shared/options.py",
+            "scenes/scene.py",
+            "bulk_tests/registry.py",
+            "tests/bulk_tests/test_contract_packing.py",
+        ),
+    ),
+    "add a contact parameter": (
+        15,
+        (
+            "contact_models/base.py",
+            "contact_models/lammps.py",
+            "contact_models/jkr/contact_model.py",
+            "contact_models/jkr/lammps.py",
+            "contact_models/registry.py",
+            "tests/contact_models/test_contact_model_contract.py",
+        ),
+    ),
+    "add a command": (
+        7,
+        (
+            "cli/commands/compare.py",
+            "cli/app.py",
+            "work_folder/comparison.py",
+            "tests/work_folder/test_comparison.py",
+        ),
+    ),
+    "mend a wrong verdict": (
+        19,
+        (
+            "verdict/options.py",
+            "verdict/rule.py",
+            "verdict/evidence.py",
+            "verdict/reasons.py",
+            "verdict/messages.py",
+            "calibration/judged_answer.py",
+        ),
+    ),
+    "add a check": (
+        None,
+        (
+            "checks.py",
+            "calibration_file/checks/registry.py",
+            "calibration_file/checks/few_particles.py",
+            "tests/calibration_file/test_checks.py",
+        ),
+    ),
+}
 
 
 def table(now: Path, before: Path | None = None) -> str:
@@ -65,6 +122,7 @@ def _figures(checkout: Path) -> dict[str, str]:
         "lines of `src`": f"{sum(lines.values()):,}",
         "lines of `tests`": f"{sum(len(path.read_text('utf-8').splitlines()) for path in tests):,}",
         "public functions and classes": f"{sum(_public_names(found.values())):,}",
+        **{f"files to {task}": _files(checkout, task) for task in TASKS},
         **{f"stays: {name}": _stays(source, starts) for name, starts in WALKS.items()},
         **{f"lines of {room}": f"{count:,}" for room, count in rooms.most_common()},
     }
@@ -77,6 +135,17 @@ def _public_names(paths: Iterable[Path]) -> Iterator[int]:
             body = ast.parse(path.read_text(encoding="utf-8")).body
             kinds = (ast.FunctionDef, ast.ClassDef)
             yield sum(isinstance(n, kinds) and not n.name.startswith("_") for n in body)
+
+
+def _files(checkout: Path, task: str) -> str:
+    """Return the number of files that a task opens; for another state, what a reader counted."""
+    before, files = TASKS[task]
+    if checkout != ROOT:
+        return "-" if before is None else str(before)
+    tops = (ROOT, ROOT / "src" / "grainfit")
+    missing = [name for name in files if not any((top / name).is_file() for top in tops)]
+    assert not missing, f"{task}: {missing} is not there"
+    return str(len(files))
 
 
 def _stays(source: Path, starts: tuple[str, ...]) -> str:

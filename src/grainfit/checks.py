@@ -9,7 +9,7 @@ text. It stands beside what it is about:
         yield "particle.diameter", "..."
 
 That of a bulk test is registered in its ``checks``, any other one in
-`grainfit.calibration_file.check_registry`.
+`grainfit.calibration_file.checks.registry`.
 """
 
 from __future__ import annotations
