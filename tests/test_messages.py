@@ -1,7 +1,7 @@
 """Catalogues of messages: every text is filled in as it is written, and none is left over."""
 
 import ast
-from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -22,32 +22,34 @@ def messages_of(catalogue: Path) -> dict[str, Message]:
 ALL = {(str(path), name): found for path in CATALOGUES for name, found in messages_of(path).items()}
 
 
-def catalogue_of(tree: ast.Module, alias: str) -> str | None:
-    """Return the file of a catalogue that a module imports under a name."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            for one in node.names:
-                if (one.asname or one.name) == alias:
-                    path = SOURCE / Path(*node.module.split("."), f"{one.name}.py")
-                    return str(path) if path in CATALOGUES else None
-    return None
+def catalogues_of(tree: ast.Module) -> dict[str, str]:
+    """Return the files of the catalogues that a module imports, by their names there."""
+    return {
+        one.asname or one.name: str(path)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module
+        for one in node.names
+        if (path := SOURCE / Path(*node.module.split("."), f"{one.name}.py")) in CATALOGUES
+    }
 
 
-def uses(path: Path) -> Iterator[tuple[tuple[str, str], ast.Call | None, int]]:
-    """Yield each message that a module of the package uses: its key, the call, and the line."""
+@cache
+def uses(path: Path) -> tuple[tuple[tuple[str, str], ast.Call | None, int], ...]:
+    """Return each message that a module of the package uses: its key, the call, and the line."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
+    catalogues = catalogues_of(tree)
     called = {id(node.func): node for node in ast.walk(tree) if isinstance(node, ast.Call)}
     faults = {
         id(node.value): called.get(id(node))
         for node in ast.walk(tree)
         if isinstance(node, ast.Attribute) and node.attr == "fault"
     }
-    for node in ast.walk(tree):
-        if not (isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)):
-            continue
-        key = (str(catalogue_of(tree, node.value.id)), node.attr)
-        if key in ALL:
-            yield key, called.get(id(node)) or faults.get(id(node)), node.lineno
+    return tuple(
+        (key, called.get(id(node)) or faults.get(id(node)), node.lineno)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
+        if (key := (catalogues.get(node.value.id, ""), node.attr)) in ALL
+    )
 
 
 def modules_with_messages() -> list[Path]:
