@@ -372,8 +372,8 @@ def test_what_is_not_determined_is_said_before_it_is_drawn() -> None:
     for test in found.further_tests:
         assert test in html
     assert posterior.convergence in html
-    learnt = section.figures["undetermined-learnt"].data[0]
-    assert learnt["x"] == [1.0 - found.narrowing[name] for name in reversed(posterior.names)]
+    narrowed = section.figures["undetermined-narrowing"].data[0]
+    assert narrowed["x"] == [1.0 - found.narrowing[name] for name in reversed(posterior.names)]
 
 
 def test_a_calibration_with_bulk_tests_names_the_command_that_compares_others() -> None:

@@ -302,7 +302,7 @@ class StrategyContract:
         quality = warm.answer().quality["angle"]
         assert 0.2 * NOISE["angle"] < quality.noise < 3 * NOISE["angle"]
 
-    def test_a_run_that_is_learnt_and_asked_for_counts_once(self, make: Make) -> None:
+    def test_a_run_that_is_taken_and_asked_for_counts_once(self, make: Make) -> None:
         search, other = make(heap_problem(), 5), make(heap_problem(), 5)
         evaluations = converse(search, heap)
         before = search.answer()

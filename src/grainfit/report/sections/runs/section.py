@@ -60,7 +60,7 @@ def runs(context: ReportContext) -> Section:
         stages=sorted({evaluation.proposal.stage for evaluation in evaluations}),
         failed=sum(1 for evaluation in evaluations if evaluation.failures),
         folder=plain(shlex.quote(context.reading.folder.absolute().name)),
-        learnt=len(context.reading.warm_start),
+        warm_start=len(context.reading.warm_start),
         figure=_PARALLEL,
     )
     figure = parallel_figure(context.reading)

@@ -15,12 +15,12 @@ _KEY, _TITLE = "undetermined", "What do the tests not determine?"
 
 
 def undetermined(context: ReportContext) -> Section:
-    """Verdicts, further tests, correlations, and how much was learnt of each parameter."""
+    """Verdicts, further tests, correlations, and how far each interval narrowed."""
     posterior, found = context.posterior, context.analysis.identifiability
     if posterior is None or found is None:
         return waiting(context, _KEY, _TITLE, context.why_no_posterior)
     drawn = posterior_figures(context.reading, posterior, found, context.intervals)
-    figures = {f"{_KEY}-learnt": drawn.narrowing}
+    figures = {f"{_KEY}-narrowing": drawn.narrowing}
     if drawn.correlations is not None:
         figures[f"{_KEY}-correlations"] = drawn.correlations
     histograms = {f"{_KEY}-marginal-{i}": figure for i, figure in enumerate(drawn.marginals)}
