@@ -22,8 +22,8 @@ from grainfit.materials.size_distributions import LogNormal, RosinRammler
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Choice, Quantity, Whole
 from grainfit.options.tables import Key
+from grainfit.solvers.file_entry import TestType
 from grainfit.solvers.registry import types_of_test
-from grainfit.solvers.type_of_test import TypeOfTest
 from grainfit.strategies.registry import DEFAULT_STRATEGY, strategies
 
 PAGE = Path(__file__).parents[1] / "docs" / "calibration_file.md"
@@ -58,7 +58,7 @@ def _heading(name: str) -> str:
     return f'### `type = "{name}"`: {TESTS[name].title}'
 
 
-def _test_tables(kind: TypeOfTest) -> str:
+def _test_tables(kind: TestType) -> str:
     assert kind.bulk_test is not None
     responses = [
         (f"`{name}`", unit_for_people(info.unit) or _NONE, f"{info.words}.")

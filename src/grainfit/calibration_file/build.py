@@ -36,8 +36,8 @@ from grainfit.options.kinds import Quantity
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
+from grainfit.solvers.file_entry import FileEntry
 from grainfit.solvers.registry import types_of_test
-from grainfit.solvers.type_of_test import FileEntry
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.registry import changed
 

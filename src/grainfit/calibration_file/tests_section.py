@@ -26,8 +26,8 @@ from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import CurveTarget
+from grainfit.solvers.file_entry import TestType
 from grainfit.solvers.registry import types_of_test
-from grainfit.solvers.type_of_test import TypeOfTest
 
 _OWN_EXAMPLE = '{ angle = { value = 36.0, uncertainty = 0.5, unit = "deg" } }'
 
@@ -40,7 +40,7 @@ _REPEATS = Key(
 )
 
 
-def layout_of_test(kind: TypeOfTest, *, planned: bool = False) -> Table:
+def layout_of_test(kind: TestType, *, planned: bool = False) -> Table:
     """Return the layout of a ``[[test]]`` of one type; planned tests need no measured values."""
     targets, example = _targets(kind, planned=planned)
     return Table(
@@ -72,7 +72,7 @@ def _homes(names: Callable[[type[BulkTest]], Iterable[str]]) -> dict[str, str]:
     return {name: f"a test of type {in_a_row(found, 'or')}" for name, found in types.items()}
 
 
-def _targets(kind: TypeOfTest, *, planned: bool) -> tuple[Kind, str]:
+def _targets(kind: TestType, *, planned: bool) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
     test, table = kind.bulk_test, PlannedTargetTable if planned else TargetTable
     if test is None or not test.responses:
@@ -101,7 +101,7 @@ def _curve_table(info: CurveInfo) -> CurveTable:
     return CurveTable(info.unit, info.coordinate_unit, info.coordinate)
 
 
-def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecification | None:
+def _specification(kind: TestType, values: Values, place: Place) -> TestSpecification | None:
     if kind.check is not None:
         kind.check(values, place)
     targets = values.pop("targets", None)
@@ -127,7 +127,7 @@ def _specification(kind: TypeOfTest, values: Values, place: Place) -> TestSpecif
     )
 
 
-def _planned(kind: TypeOfTest, values: Values, place: Place) -> TestSpecification | None:
+def _planned(kind: TestType, values: Values, place: Place) -> TestSpecification | None:
     if kind.check is not None:
         kind.check(values, place)
     targets = values.pop("targets", {})

@@ -34,10 +34,10 @@ class ExpectedWork:
     def __str__(self) -> str:
         if not self.runs:
             return "All runs are known already"
-        words = f"{counted(self.runs, 'run')} to make, {self.known} known already"
+        counts = f"{counted(self.runs, 'run')} to make, {self.known} known already"
         if self.seconds is None or self.seconds < 1:
-            return words
-        return f"{words}; about {duration(self.seconds)}"
+            return counts
+        return f"{counts}; about {duration(self.seconds)}"
 
 
 def simulate_batch(

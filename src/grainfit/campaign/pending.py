@@ -50,13 +50,13 @@ class ClusterJob:
         By which the scheduler knows it; empty when it was refused.
     state : str
         ``pending``, ``running``, or how it ended.
-    words : str
+    message : str
         Message of the scheduler, such as the reason why the job waits.
     """
 
     number: str
     state: str
-    words: str
+    message: str
 
 
 @runtime_checkable

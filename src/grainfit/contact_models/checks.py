@@ -48,8 +48,8 @@ def solvers_differ(used: UsedContactLaw) -> Iterator[Found]:
     if law is None or len(solvers) < 2:
         return
     if difference := law.solver_difference(material, solvers):
-        words = in_a_row(solvers)
-        yield "", f"The tests run with {words}. {difference} Use one solver for all tests."
+        names = in_a_row(solvers)
+        yield "", f"The tests run with {names}. {difference} Use one solver for all tests."
 
 
 @check("large-time-step", "warning")

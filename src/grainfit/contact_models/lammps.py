@@ -14,7 +14,7 @@ class LammpsKeywords(SolverKeywords, ABC):
     """Keywords of a contact model for LAMMPS."""
 
     solver: ClassVar[str] = "lammps"
-    #: Meaning of the coefficients in a few words, for a comment in a deck.
+    #: Meaning of the coefficients in short, for a comment in a deck.
     legend: str = ""
 
     @abstractmethod

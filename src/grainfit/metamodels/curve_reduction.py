@@ -177,13 +177,13 @@ class CurveBasis:
 
     @property
     def parts(self) -> dict[str, str]:
-        """Words on what each component is of the curve, by its name."""
+        """Descriptions of the components, by their names."""
         target = self.target
         moved = np.abs(self.components @ self.root.T) / target.standard_uncertainties
         places = [target.coordinates[i] for i in moved.argmax(axis=1)]
         about = target.coordinate, target.coordinate_unit
-        words = [f"{target.name}, as it varies most at {on_curve(p, *about)}" for p in places]
-        return dict(zip(self.names, words, strict=True))
+        texts = [f"{target.name}, as it varies most at {on_curve(p, *about)}" for p in places]
+        return dict(zip(self.names, texts, strict=True))
 
     def values_of(self, evaluation: Evaluation) -> Array | None:
         """Return the curve of a run at the measured coordinates; None if it gives no component."""
@@ -272,8 +272,8 @@ class Reduction:
 
     @property
     def parts(self) -> dict[str, str]:
-        """Words on what each component is of its curve, by its name."""
-        return {name: words for basis in self.bases for name, words in basis.parts.items()}
+        """Descriptions of the components of each curve, by their names."""
+        return {name: text for basis in self.bases for name, text in basis.parts.items()}
 
     @cached_property
     def problem(self) -> Problem:

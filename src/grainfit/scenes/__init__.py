@@ -1,6 +1,6 @@
 """Scenes: a simulated experiment as plain data in SI units, for every DEM program.
 
-All words of a scene are here: ``from grainfit.scenes import Box, Scene, Stage, Wall``.
+All terms of a scene are here: ``from grainfit.scenes import Box, Scene, Stage, Wall``.
 """
 
 from grainfit.lazy import public_names

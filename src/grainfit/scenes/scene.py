@@ -177,7 +177,7 @@ class Stage:
     Parameters
     ----------
     name : str
-        One word.
+        An identifier.
     until : Condition
         End of the stage, see `grainfit.scenes.conditions`.
     remark : str
@@ -233,7 +233,7 @@ class Scene:
     Parameters
     ----------
     title : str
-        A few words, for the first line of a deck.
+        A short text, for the first line of a deck.
     material : mapping of str to float
         All material parameters by dotted name; those with a default may be missing.
     sizes : ParticleSizes
@@ -243,7 +243,7 @@ class Scene:
     box : Box
         The simulated space.
     walls : mapping of str to Wall
-        Walls at the beginning, by name (one word).
+        Walls at the beginning, by name (an identifier).
     stages : tuple of Stage
         In order.
     gravity : float
@@ -262,7 +262,7 @@ class Scene:
         stiffness and damping constant at its value there. Weights are those on Earth in a scene
         without gravity.
     glued : mapping of str to Glued
-        Rigid bodies of glued particles, by name (one word, and no wall's).
+        Rigid bodies of glued particles, by name (an identifier, and no wall's).
     contact_models : tuple of str
         Contact models that replace the usual ones of their kind.
     film_interval : float, optional
@@ -441,7 +441,7 @@ def _fastest(motion: Motion, places: NDArray[np.float64]) -> float:
 
 
 def _name_faults(scene: Scene) -> Iterator[Fault]:
-    """Names become variables and files of decks: one word each, and one meaning."""
+    """Names become variables and files of decks: identifiers, each with one meaning."""
     stages = scene.stages
     kinds = {
         "walls": [*scene.walls, *(name for stage in stages for name in stage.put), *scene.glued],

@@ -49,7 +49,8 @@ class ParametersFor(Solver):
     takes : callable, optional
         Predicate: True for the names of parameters that the solver takes; by default all.
     depends_on_all : bool
-        Whether runs are said to depend on all parameters that the solver takes, whatever it says.
+        Whether runs depend on all parameters that the solver takes, also those that it does not
+        mention.
     """
 
     def __init__(
@@ -75,34 +76,28 @@ class ParametersFor(Solver):
     @property
     @override
     def bulk_test(self) -> BulkTest | None:
-        """The bulk test of the solver."""
         return self.solver.bulk_test
 
     @property
     @override
     def absent(self) -> Mapping[str, str]:
-        """Responses that a valid run may be without, with the reason."""
         return self.solver.absent
 
     @property
     @override
     def walls(self) -> Mapping[str, str]:
-        """Walls with a name by the parts of its bulk test."""
         return self.solver.walls
 
     @override
     def model(self) -> Mapping[str, Any]:
-        """Return the model of the solver."""
         return self.solver.model()
 
     @override
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return the parameters that the solver takes."""
         return self.solver.run_parameters(self._taken(parameters))
 
     @override
     def depends_on(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Return the parameters that the solver takes and depends on."""
         takes = self._takes
         taken = [name for name in names if takes is None or takes(name)]
         return tuple(taken) if self._depends_on_all else self.solver.depends_on(taken)
@@ -110,7 +105,6 @@ class ParametersFor(Solver):
     @property
     @override
     def defaults(self) -> Mapping[str, float]:
-        """Defaults of the solver."""
         return self.solver.defaults
 
     @override
@@ -125,7 +119,6 @@ class ParametersFor(Solver):
 
     @override
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
-        """Return the faults of the intervals of parameters that the solver takes."""
         fixed = {name: (value, value) for name, value in self._fixed.items()}
         given = {**fixed, **intervals}
         takes = self._takes
@@ -143,27 +136,22 @@ class ParametersFor(Solver):
 
     @override
     def readiness(self) -> str:
-        """Return the message that the solver is ready."""
         return self.solver.readiness()
 
     @override
     def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
-        """Return the scene of a run of the solver."""
         return self.solver.experiment(self._taken(parameters), seed)
 
     @override
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost | None:
-        """Estimate the cost of a run."""
         return self.solver.estimate_cost(self._taken(parameters))
 
     @override
     def estimate_cost_of(self, test: BulkTest, material: Mapping[str, float]) -> RunCost:
-        """Estimate the cost of a run of any bulk test."""
         return self.solver.estimate_cost_of(test, material)
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float | None:
-        """Return the default time-out of a run, s."""
         return self.solver.default_timeout(self._taken(parameters))
 
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:

@@ -13,8 +13,8 @@ from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.dem.types_of_test import simulated
 from grainfit.solvers.dem.yade.program import Yade
+from grainfit.solvers.file_entry import TestType
 from grainfit.solvers.own_model.types_of_test import COMMAND, PYTHON, TABLE
-from grainfit.solvers.type_of_test import TypeOfTest
 
 #: A new DEM program is a class here.
 _PROGRAMS: tuple[type[DeckSolver], ...] = (Lammps, Liggghts, Yade)
@@ -40,11 +40,11 @@ for _model in CONTACT_MODELS:
     require_complete("contact model", _model.name, (f"no solver is {n}" for n in _strangers))
 
 #: Types of test that run a custom model.
-OWN_MODELS: tuple[TypeOfTest, ...] = (COMMAND, PYTHON, TABLE)
+OWN_MODELS: tuple[TestType, ...] = (COMMAND, PYTHON, TABLE)
 
 
 @cache
-def types_of_test(*, built_in: bool = False) -> Mapping[str, TypeOfTest]:
+def types_of_test(*, built_in: bool = False) -> Mapping[str, TestType]:
     """Return the types of test of a calibration file by name.
 
     Parameters

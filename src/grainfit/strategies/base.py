@@ -18,7 +18,7 @@ goes through these calls:
 1. `Search.warm_start`, at most once and first: runs of other calibrations that it may use.
 2. `Search.replay`: the proposals of an earlier start of the same calibration, so that an
    interrupted calibration continues instead of beginning again. When the search asks for a run
-   that is already known, its outcome is told at once.
+   that is already known, the search gets its outcome at once.
 3. `Search.ask` whenever a worker is free. It returns the next proposal, or None: then either the
    search has `finished`, or a pending run has to be told first.
 4. `Search.tell` for every proposal whose run has ended, in any order: responses, or why it failed.

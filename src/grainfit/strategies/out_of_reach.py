@@ -259,7 +259,7 @@ def _with_bounds(parameter: Parameter, low: float, high: float) -> Parameter:
 
 
 def widenings(before: Problem, after: Problem) -> list[str]:
-    """Say in words which bounds were moved."""
+    """Return messages that say which bounds were moved."""
     return [
         messages.BOUND_MOVED(bound=f"{old.name}.{key}", was=was, now=now)
         for old, new in zip(before.parameters, after.parameters, strict=True)

@@ -50,7 +50,7 @@ from grainfit.contact_models.registry import (
 )
 from grainfit.run_definition import without_defaults
 from grainfit.testing.materials import GLASS_BEADS
-from grainfit.testing.single_contacts import Motion, Scene, SingleContacts, Sphere
+from grainfit.testing.single_contacts import ContactCase, Motion, SingleContacts, Sphere
 from grainfit.units import is_unit
 
 RADIUS = 0.005
@@ -89,7 +89,7 @@ class ContactModelContract:
 
     @pytest.fixture
     def simulate(self, program: SingleContacts, tmp_path: Path) -> Simulate:
-        """Return a function that simulates particles, given material values and `Scene` options."""
+        """Return a function that simulates particles; options are fields of `ContactCase`."""
 
         def simulate(
             particles: Sequence[Sphere],
@@ -100,10 +100,10 @@ class ContactModelContract:
             material = {**self.material, **(changes or {})}
             folder = tmp_path / str(len(list(tmp_path.iterdir())))
             folder.mkdir()
-            scene = Scene(
+            case = ContactCase(
                 contact_law(material, [self.model.name]), material, particles, seconds, **options
             )
-            return program.simulate(scene, folder)
+            return program.simulate(case, folder)
 
         return simulate
 

@@ -66,7 +66,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Scene:
+class ContactCase:
     """Particles above a floor for some time.
 
     Parameters
@@ -123,7 +123,7 @@ _ELASTIC = ("density", "youngs_modulus", "poissons_ratio")
 
 
 class SingleContacts(ABC):
-    """A DEM program that computes a `Scene`, with its known differences from other programs.
+    """A DEM program that computes a `ContactCase`, with its known differences from other programs.
 
     Parameters
     ----------
@@ -154,18 +154,18 @@ class SingleContacts(ABC):
     def __init__(self, command: Sequence[str]) -> None:
         self.command = list(command)
 
-    def simulate(self, scene: Scene, folder: Path) -> Motion:
+    def simulate(self, case: ContactCase, folder: Path) -> Motion:
         """Run the program in an empty folder; return the motion, the start included."""
-        self.write(scene, folder)
+        self.write(case, folder)
         run_process(self.command, Workspace(folder, _TIMEOUT))
-        return self.read(scene, folder)
+        return self.read(case, folder)
 
     @abstractmethod
-    def write(self, scene: Scene, folder: Path) -> None:
+    def write(self, case: ContactCase, folder: Path) -> None:
         """Write all input files."""
 
     @abstractmethod
-    def read(self, scene: Scene, folder: Path) -> Motion:
+    def read(self, case: ContactCase, folder: Path) -> Motion:
         """Read the motion recorded by the program."""
 
 
@@ -174,20 +174,20 @@ class _DumpingProgram(SingleContacts):
 
     _columns = "x y z vx vy vz omegax omegay omegaz fx fy fz"
 
-    def read(self, scene: Scene, folder: Path) -> Motion:
+    def read(self, case: ContactCase, folder: Path) -> Motion:
         """Read the dump file."""
         frames = (folder / "out.dump").read_text(encoding="ascii").split("ITEM: TIMESTEP\n")[1:]
         steps = np.array([int(frame.split("\n", 1)[0]) for frame in frames])
         rows = [frame.split("ITEM: ATOMS")[1].split("\n")[1:-1] for frame in frames]
         values = np.array([[row.split()[1:] for row in frame] for frame in rows], dtype=float)
-        return Motion(steps * scene.time_step, *np.split(values, 4, axis=2))
+        return Motion(steps * case.time_step, *np.split(values, 4, axis=2))
 
     @staticmethod
-    def _write_particles(scene: Scene, path: Path, types: int, *, by_radius: bool) -> None:
-        density = scene.material["particle.density"]
+    def _write_particles(case: ContactCase, path: Path, types: int, *, by_radius: bool) -> None:
+        density = case.material["particle.density"]
         atoms, motions = [], []
-        for number, sphere in enumerate(scene.particles, 1):
-            kind = scene.radii.index(sphere.radius) + 1 if by_radius else 1
+        for number, sphere in enumerate(case.particles, 1):
+            kind = case.radii.index(sphere.radius) + 1 if by_radius else 1
             atoms.append((number, kind, 2 * sphere.radius, density, *sphere.position))
             motions.append((number, *sphere.velocity, *sphere.spin))
         limits = "\n".join(f"{-_BOX} {_BOX} {axis}lo {axis}hi" for axis in "xyz")
@@ -197,19 +197,19 @@ class _DumpingProgram(SingleContacts):
             encoding="ascii",
         )
 
-    def _ending(self, scene: Scene) -> str:
-        every = scene.steps // scene.frames
+    def _ending(self, case: ContactCase) -> str:
+        every = case.steps // case.frames
         numbers = " ".join(["%d", *["%.15g"] * len(self._columns.split())])
         return (
-            f"fix gravity all gravity {scene.gravity!r} vector 0 0 -1\n"
+            f"fix gravity all gravity {case.gravity!r} vector 0 0 -1\n"
             "fix motion all nve/sphere\n"
-            f"timestep {scene.time_step!r}\n"
+            f"timestep {case.time_step!r}\n"
             f"dump out all custom {every} out.dump id {self._columns}\n"
-            f'dump_modify out sort id format {self._format_word}"{numbers}"\n'
-            f"run {scene.steps}\n"
+            f'dump_modify out sort id format {self._format_prefix}"{numbers}"\n'
+            f"run {case.steps}\n"
         )
 
-    _format_word: ClassVar[str] = ""
+    _format_prefix: ClassVar[str] = ""
 
 
 class LammpsContacts(_DumpingProgram):
@@ -222,28 +222,28 @@ class LammpsContacts(_DumpingProgram):
     #: Regions have no contacts beyond the overlap of zero.
     floor_pull_off: ClassVar[float] = 8 / 9
     friction_by_adhesion: ClassVar[float] = 2.0
-    _format_word: ClassVar[str] = "line "
+    _format_prefix: ClassVar[str] = "line "
 
-    def write(self, scene: Scene, folder: Path) -> None:
+    def write(self, case: ContactCase, folder: Path) -> None:
         """Write deck and data file; every radius has a separate type."""
-        self._write_particles(scene, folder / "particles.data", len(scene.radii), by_radius=True)
+        self._write_particles(case, folder / "particles.data", len(case.radii), by_radius=True)
         text = (
             "units si\natom_style sphere\natom_modify map array\nboundary f f f\nnewton off\n"
             "comm_modify vel yes\nread_data particles.data\nneighbor 0.002 bin\n"
             "neigh_modify delay 0\npair_style granular\n"
         )
-        for i, radius in enumerate(scene.radii, 1):
-            for j, other in enumerate(scene.radii[i - 1 :], i):
-                contact = Contact.between(scene.material, radius, other, scene.typical_gravity)
-                text += f"pair_coeff {i} {j} {' '.join(lammps_clauses(scene.law, contact))}\n"
+        for i, radius in enumerate(case.radii, 1):
+            for j, other in enumerate(case.radii[i - 1 :], i):
+                contact = Contact.between(case.material, radius, other, case.typical_gravity)
+                text += f"pair_coeff {i} {j} {' '.join(lammps_clauses(case.law, contact))}\n"
         # As in the decks of bulk tests; a plane of ``wall/gran`` holds on beyond contact.
         text += "region floor plane 0 0 0 0 0 1 units box\n"
-        for i, radius in enumerate(scene.radii, 1):
-            contact = Contact.on_wall(scene.material, radius, scene.typical_gravity)
-            clauses = " ".join(lammps_clauses(scene.law, contact))
+        for i, radius in enumerate(case.radii, 1):
+            contact = Contact.on_wall(case.material, radius, case.typical_gravity)
+            clauses = " ".join(lammps_clauses(case.law, contact))
             text += f"group size{i} type {i}\n"
             text += f"fix floor{i} size{i} wall/gran/region granular {clauses} region floor\n"
-        (folder / self.input_name).write_text(text + self._ending(scene), encoding="ascii")
+        (folder / self.input_name).write_text(text + self._ending(case), encoding="ascii")
 
 
 class LiggghtsContacts(_DumpingProgram):
@@ -252,26 +252,26 @@ class LiggghtsContacts(_DumpingProgram):
     solver: ClassVar[str] = "liggghts"
     input_name: ClassVar[str] = "in.liggghts"
 
-    def write(self, scene: Scene, folder: Path) -> None:
+    def write(self, case: ContactCase, folder: Path) -> None:
         """Write deck and data file; type 1 are particles, type 2 is the floor."""
-        self._write_particles(scene, folder / "particles.data", 2, by_radius=False)
-        model = liggghts_model(scene.law)
+        self._write_particles(case, folder / "particles.data", 2, by_radius=False)
+        model = liggghts_model(case.law)
         text = (
             "soft_particles yes\nhard_particles yes\nunits si\natom_style granular\n"
             "atom_modify map array\nboundary f f f\nnewton off\ncommunicate single vel yes\n"
             "read_data particles.data\nneighbor 0.002 bin\nneigh_modify delay 0\n"
         )
-        found = liggghts_properties(scene.law, [scene.material])
+        found = liggghts_properties(case.law, [case.material])
         for name, values in found.bodies.items():
-            text += f"fix {name} all property/global {name} peratomtype {_words(values)}\n"
+            text += f"fix {name} all property/global {name} peratomtype {_numbers(values)}\n"
         for name, rows in found.pairs.items():
-            matrix = " ".join(map(_words, rows))
+            matrix = " ".join(map(_numbers, rows))
             text += f"fix {name} all property/global {name} peratomtypepair 2 {matrix}\n"
         text += (
             f"pair_style gran model {model}\npair_coeff * *\n"
             f"fix floor all wall/gran model {model} primitive type 2 zplane 0.0\n"
         )
-        (folder / self.input_name).write_text(text + self._ending(scene), encoding="ascii")
+        (folder / self.input_name).write_text(text + self._ending(case), encoding="ascii")
 
 
 class YadeContacts(SingleContacts):
@@ -289,31 +289,31 @@ class YadeContacts(SingleContacts):
         0.5,
     )
 
-    def write(self, scene: Scene, folder: Path) -> None:
+    def write(self, case: ContactCase, folder: Path) -> None:
         """Write a script."""
-        radius = sum(scene.radii) / len(scene.radii)
-        contact = Contact.between(scene.material, radius, radius, scene.typical_gravity)
-        arguments = (f"{name}={value}" for name, value, _ in yade_physics(scene.law, contact))
-        law = ", ".join(f"{name}={value}" for name, value, _ in yade_law(scene.law, contact))
-        every = scene.steps // scene.frames
+        radius = sum(case.radii) / len(case.radii)
+        contact = Contact.between(case.material, radius, radius, case.typical_gravity)
+        arguments = (f"{name}={value}" for name, value, _ in yade_physics(case.law, contact))
+        law = ", ".join(f"{name}={value}" for name, value, _ in yade_law(case.law, contact))
+        every = case.steps // case.frames
         text = _YADE.format(
-            parameters=dict(scene.material),
+            parameters=dict(case.material),
             physics=", ".join(arguments),
             law=law,
-            spheres=[(s.position, s.velocity, s.spin, s.radius) for s in scene.particles],
-            gravity=scene.gravity,
-            time_step=scene.time_step,
-            frames=scene.frames,
+            spheres=[(s.position, s.velocity, s.spin, s.radius) for s in case.particles],
+            gravity=case.gravity,
+            time_step=case.time_step,
+            frames=case.frames,
             every=every,
             first=every - 1,
-            steps=scene.steps,
+            steps=case.steps,
         )
         (folder / self.input_name).write_text(text, encoding="utf-8")
 
-    def read(self, scene: Scene, folder: Path) -> Motion:
+    def read(self, case: ContactCase, folder: Path) -> Motion:
         """Read the motion recorded by the script."""
         frames = json.loads((folder / "motion.json").read_text(encoding="ascii"))
-        times = np.linspace(0, scene.seconds, scene.frames + 1)
+        times = np.linspace(0, case.seconds, case.frames + 1)
         return Motion(times, *np.split(np.array(frames), 4, axis=2))
 
 
@@ -377,7 +377,7 @@ with open("motion.json", "w") as file:
 """
 
 
-def _words(values: Sequence[float]) -> str:
+def _numbers(values: Sequence[float]) -> str:
     return " ".join(map(repr, values))
 
 

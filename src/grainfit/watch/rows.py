@@ -226,7 +226,7 @@ def job_rows(jobs: Sequence[ClusterJob]) -> list[Row]:
             "key": f"{place}-{job.number}",
             "number": plain(job.number) or "refused",
             "state": plain(job.state),
-            "words": plain(job.words),
+            "words": plain(job.message),
         }
         for place, job in enumerate(ordered[:MOST_ROWS])
     ]

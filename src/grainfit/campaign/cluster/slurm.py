@@ -71,10 +71,10 @@ class Slurm(SlurmProvider):
         try:
             job: str = super().submit(command, tasks_per_node, job_name)
         except SubmitException as error:
-            words = " ".join((error.stderr or error.message).split())
-            if _REFUSED.search(words):
-                self.refusal = words
-            raise ExecutorError(words) from error
+            message = " ".join((error.stderr or error.message).split())
+            if _REFUSED.search(message):
+                self.refusal = message
+            raise ExecutorError(message) from error
         return job
 
     def cancel(self, job_ids: Sequence[object]) -> list[bool]:
@@ -86,14 +86,14 @@ class Slurm(SlurmProvider):
         if queue is None:
             return
         for job, entry in self.resources.items():
-            word, reason = queue.get(str(job), ("COMPLETED", ""))
-            state = _STATES.get(word, JobState.RUNNING)
+            code, reason = queue.get(str(job), ("COMPLETED", ""))
+            state = _STATES.get(code, JobState.RUNNING)
             if entry["status"].terminal:
                 if state in (JobState.PENDING, JobState.RUNNING):
                     # Slurm has requeued it after all, but there is another job in its place.
                     self.cancel([job])
                 continue
-            message = f"Slurm says of its job {job}: {word}, {reason}"
+            message = f"Slurm says of its job {job}: {code}, {reason}"
             if state == JobState.PENDING and reason in _NEVER:
                 self.cancel([job])
                 state, self.refusal = JobState.FAILED, message
@@ -119,10 +119,10 @@ class Slurm(SlurmProvider):
         deadline = time.monotonic() + END_SECONDS
         while time.monotonic() < deadline:
             queue = self._queue() or {}
-            words = {str(job): queue.get(str(job), ("COMPLETED", ""))[0] for job in self.resources}
-            if not _ALIVE & set(words.values()):
+            codes = {str(job): queue.get(str(job), ("COMPLETED", ""))[0] for job in self.resources}
+            if not _ALIVE & set(codes.values()):
                 return
-            self.cancel([job for job, word in words.items() if word in _ALIVE - {"COMPLETING"}])
+            self.cancel([job for job, code in codes.items() if code in _ALIVE - {"COMPLETING"}])
             time.sleep(0.2)
 
 

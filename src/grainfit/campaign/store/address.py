@@ -60,7 +60,7 @@ class StoreAddress:
             # The cause would quote parts of the address.
             shown, remedy = safe_address(address), _advice(address)
             raise StoreError(messages.NO_ADDRESS(address=shown, remedy=remedy)) from None
-        shown = _shown(url, address if isinstance(address, str) else "")
+        shown = _location(url, address if isinstance(address, str) else "")
         return cls(url, shown, tuple(_hidden_parts(url, shown)))
 
     def without_secrets(self, text: str) -> str:
@@ -86,20 +86,20 @@ def safe_address(address: object) -> str:
     'beads.grainfit'
     """
     if isinstance(address, sql.URL):
-        return _shown(address, "")
+        return _location(address, "")
     text = str(address)
     if "://" not in text:
         return _HIDDEN if _MEANT.match(text) else text
     try:
         url = sql.make_url(text)
         url.get_dialect()
-        return _shown(url, text)
+        return _location(url, text)
     except (ArgumentError, NoSuchModuleError, ValueError):
         scheme = _SCHEME.match(text)
         return f"{scheme[0] if scheme else _HIDDEN}://{_HIDDEN}"
 
 
-def _shown(url: sql.URL, text: str) -> str:
+def _location(url: sql.URL, text: str) -> str:
     """Return the location of a database that was read from a text, if it was a text."""
     if url.drivername.split("+")[0] == "sqlite":
         if (url.host, url.username, url.password) != (None, None, None):

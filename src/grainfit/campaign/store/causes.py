@@ -1,7 +1,7 @@
 """Causes of a store that cannot be used: what SQLite's error codes mean, and what the files say.
 
 SQLite names a full disk, a missing permission and an unusable file beside the store with the same
-few words. Only trying again what it did tells which of them it was.
+short text. Only trying again what it did tells which of them it was.
 """
 
 from __future__ import annotations

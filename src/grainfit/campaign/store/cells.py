@@ -11,7 +11,7 @@ from typing import Any, NoReturn, TypeVar
 
 from grainfit.validation import as_number
 
-_Word = TypeVar("_Word", bound=str)
+_Choice = TypeVar("_Choice", bound=str)
 
 
 class UnreadableCell:
@@ -75,11 +75,11 @@ def whole(value: Any, column: str) -> int:
     return value
 
 
-def choice(value: Any, column: str, words: Sequence[_Word]) -> _Word:
-    """Return one of the words."""
-    found = next((word for word in words if word == value), None)
+def choice(value: Any, column: str, values: Sequence[_Choice]) -> _Choice:
+    """Return one of the values."""
+    found = next((one for one in values if one == value), None)
     if found is None:
-        _refuse_cell(column, value, f"one of {', '.join(words)}")
+        _refuse_cell(column, value, f"one of {', '.join(values)}")
     return found
 
 

@@ -1,7 +1,7 @@
 """EPSD2 rolling friction in closed form, as a spring of constant stiffness.
 
 The reference is LIGGGHTS (``rolling_friction epsd2``). It has the limit of EPSD and no dashpot, and
-its rolling stiffness is that of the tangential contact, whatever the rolling friction is.
+its rolling stiffness is that of the tangential contact, for any rolling friction.
 
 References
 ----------

@@ -36,10 +36,10 @@ _WIDTH = 96
 
 def origin(card: MaterialCard, solver: str) -> str:
     """Return comments on the validity of the values in this solver."""
-    return "\n".join(comment(line) for line in textwrap.wrap(_words(card, solver), _WIDTH))
+    return "\n".join(comment(line) for line in textwrap.wrap(_validity(card, solver), _WIDTH))
 
 
-def _words(card: MaterialCard, solver: str) -> str:
+def _validity(card: MaterialCard, solver: str) -> str:
     found = {program.name for program in card.programs}
     if found == {solver}:
         return f"The values were calibrated with {_DECKS[solver]} and this contact model."

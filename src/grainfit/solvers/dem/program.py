@@ -148,24 +148,20 @@ class DeckSolver(Solver):
     @property
     @override
     def response_names(self) -> tuple[str, ...] | None:
-        """Names of the test's responses."""
         return self.test.response_names
 
     @property
     @override
     def bulk_test(self) -> BulkTest:
-        """The bulk test that it simulates."""
         return self.test
 
     @property
     @override
     def absent(self) -> Mapping[str, str]:
-        """Responses that a valid run of the test may be without, with the reason."""
         return absent_responses(self.test)
 
     @override
     def filming(self, frames: int, duration: float | None = None) -> Self:
-        """Return the solver such that its runs keep frames of the particles, see `filmed`."""
         solver = copy(self)
         solver._film = (frames, duration)
         return solver
@@ -173,7 +169,6 @@ class DeckSolver(Solver):
     @property
     @override
     def walls(self) -> Mapping[str, str]:
-        """Walls with a name by the parts of its bulk test."""
         return self._parts.walls
 
     @override
@@ -197,7 +192,6 @@ class DeckSolver(Solver):
     @property
     @override
     def defaults(self) -> Mapping[str, float]:
-        """Default values of material parameters."""
         return default_values(self._parts.named)
 
     @override
@@ -240,14 +234,6 @@ class DeckSolver(Solver):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> Mapping[str, Measured]:
-        """Write the deck, run the program, and measure the responses.
-
-        Raises
-        ------
-        RunFailedError
-            The material is none for the test, the program failed, the simulation went wrong, or a
-            response cannot be measured.
-        """
         material = self.run_parameters(parameters)
         for fault in self._material_faults(material):
             raise RunFailedError(str(fault))
@@ -384,7 +370,6 @@ class DeckSolver(Solver):
 
     @override
     def executes(self) -> tuple[str, ...]:
-        """Return the command that runs the decks; raise if its program is not found."""
         return (shlex.join(self._command(Path(self.deck.file_name))), *user_functions(self.test))
 
     @override
@@ -412,12 +397,10 @@ class DeckSolver(Solver):
 
     @override
     def estimate_cost_of(self, test: BulkTest, material: Mapping[str, float]) -> RunCost:
-        """Estimate the cost of a run of any bulk test."""
         return self.speed.cost(test.workload(material), self.ranks)
 
     @override
     def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
-        """Return the scene of a run, even if the program lacks a concept of it."""
         return self._scene(self.run_parameters(parameters), seed)
 
     def scene(self, parameters: Mapping[str, float], seed: int) -> Scene:
@@ -438,18 +421,10 @@ class DeckSolver(Solver):
 
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float:
-        """Return the default time-out of a run, s."""
         return _LEAST_TIMEOUT + _PATIENCE * self.estimate_cost(parameters).wall_seconds
 
     @override
     def version(self) -> str:
-        """Return the version that the program reports, such as ``22 Jul 2025 - Update 4``.
-
-        Raises
-        ------
-        SolverNotFoundError
-            It is not found, or is not the program that the decks need.
-        """
         program = self._program()
         output = program_help(program, self.install, self.version_option)
         found = re.search(self.version_pattern, output)

@@ -191,7 +191,7 @@ class ScriptDeck(SceneDeck):
 
     @property
     def shown_energy(self) -> str:
-        """Word for the kinetic energy in the log."""
+        """Keyword of the kinetic energy in the log."""
         return "ke"
 
     @property

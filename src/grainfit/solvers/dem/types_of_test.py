@@ -17,15 +17,15 @@ from grainfit.options.tables import Key, Named, Table
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.parts import parts_on_walls, walls_of
 from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.file_entry import TIMEOUT_KEY, FileEntry, TestType
 from grainfit.solvers.parameters_for import of_material
-from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
 
 Programs = Mapping[str, type[DeckSolver]]
 
 
-def simulated(test: type[BulkTest], programs: Programs) -> TypeOfTest:
+def simulated(test: type[BulkTest], programs: Programs) -> TestType:
     """Return the type of test of a calibration file that simulates a bulk test."""
-    return TypeOfTest(
+    return TestType(
         test.type,
         (*_program_keys(tuple(programs)), *test.option_keys(), *_wall_keys(test)),
         partial(_solver, test, programs),

@@ -115,7 +115,7 @@ class Command(Solver):
         self._responses = responses
         self._references = (evaluate,) if isinstance(evaluate, str) else tuple(evaluate or ())
         self._response_names = None if response_names is None else tuple(response_names)
-        self._model = ModelFolder(Path(folder).absolute(), self._is_written_anew)
+        self._model = ModelFolder(Path(folder).absolute(), self._is_overwritten)
         self._functions()
 
     @property
@@ -148,7 +148,6 @@ class Command(Solver):
 
     @override
     def executes(self) -> tuple[str, ...]:
-        """Return the command that runs, and the function that evaluates the run."""
         where = f"in a copy of {self._model.path.resolve()}"
         program = _on_path(self._command[0]) or self._command[0]
         lines = [f"{shlex.join([program, *self._command[1:]])}   ({where})"]
@@ -202,15 +201,6 @@ class Command(Solver):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> Mapping[str, Measured]:
-        """Copy the model, fill in templates, run the command, and read its responses.
-
-        Raises
-        ------
-        RunFailedError
-            The command failed, or gave no usable responses.
-        InputError
-            A parameter is unknown, or a template names one that has no value.
-        """
         if workspace.cancelled.is_set():
             raise RunFailedError(messages.STOPPED(), kind="cancelled")
         values = self._values(parameters)
@@ -243,7 +233,7 @@ class Command(Solver):
     def _template_files(self) -> list[str]:
         return [name for name in self._model.files() if self._is_template(name)]
 
-    def _is_written_anew(self, name: str) -> bool:
+    def _is_overwritten(self, name: str) -> bool:
         """Return True for files (from a run of the model by hand) that each run overwrites."""
         # Also a model without an evaluation may have the log of one.
         logs = {evaluation_log(number) for number in range(1, max(1, len(self._references)) + 1)}

@@ -82,10 +82,10 @@ class Mentions:
         """Return True if the model mentions a parameter."""
         variable = variable_name(name)
         # LAMMPS refers to its variables as ${name} and as v_name.
-        words = (name, variable, f"v_{variable}")
+        names = (name, variable, f"v_{variable}")
         return (
             self.reads_all
-            or any(_has_word(self.text, word) for word in words)
+            or any(_has_name(self.text, form) for form in names)
             or any(self._is_read(name, path) for path in self._paths)
         )
 
@@ -111,8 +111,8 @@ class Mentions:
         return frozenset(use.path for template in self._all for use in template.uses)
 
     @cached_property
-    def _words(self) -> frozenset[str]:
-        return frozenset().union(*(template.words for template in self._all))
+    def _loose_keys(self) -> frozenset[str]:
+        return frozenset().union(*(template.loose_keys for template in self._all))
 
     @cached_property
     def _has_computed_keys(self) -> bool:
@@ -126,7 +126,7 @@ class Mentions:
         if path != parts[: len(path)]:
             return path[: len(parts)] == parts
         # A section may be given another name: {% set p = particle %}{{ p.density }}.
-        return self._has_computed_keys or self._words.issuperset(parts[len(path) :])
+        return self._has_computed_keys or self._loose_keys.issuperset(parts[len(path) :])
 
     def _is_undefined(self, use: Use, template: TemplateNames, names: Collection[str]) -> bool:
         path = use.path
@@ -217,8 +217,8 @@ def _is_whole_table(path: Path) -> bool:
     return len(path) == 1 or hasattr(dict, path[1])
 
 
-def _has_word(text: bytes, word: str) -> bool:
-    """Return True if a text has a word that is no part of a longer one."""
-    found = re.escape(word.encode())
-    # The word comes first, because a search for its beginning is fast in large files.
+def _has_name(text: bytes, name: str) -> bool:
+    """Return True if a text has a name that is no part of a longer one."""
+    found = re.escape(name.encode())
+    # The name comes first, because a search for its beginning is fast in large files.
     return re.search(rb"%b(?!\w)(?<!\w%b)" % (found, found), text) is not None

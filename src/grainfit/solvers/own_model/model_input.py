@@ -146,9 +146,9 @@ class Templates:
         ):
             for node in tree.find_all(kind):
                 if node.name not in known:
-                    word = kind.__name__.lower()
+                    named = kind.__name__.lower()
                     raise jinja2.TemplateAssertionError(
-                        f"No {word} named {node.name!r}.", node.lineno, name
+                        f"No {named} named {node.name!r}.", node.lineno, name
                     )
 
     def fill(

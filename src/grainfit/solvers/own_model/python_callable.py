@@ -108,13 +108,11 @@ class PythonCallable(Solver):
 
     @override
     def check(self) -> None:
-        """Raise `InputError` if the file of the function does not define it."""
         if isinstance(self._function, PythonFile):
             self._function.check()
 
     @override
     def executes(self) -> tuple[str, ...]:
-        """Return the file and the function that is called."""
         if not isinstance(self._function, PythonFile):
             return ()
         path = self._function.path.resolve()
@@ -140,13 +138,6 @@ class PythonCallable(Solver):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> Mapping[str, Measured]:
-        """Call the function once.
-
-        Raises
-        ------
-        RunFailedError
-            The function raised an exception, or did not return finite responses.
-        """
         values = finite_parameters(parameters)
         if workspace.cancelled.is_set():
             raise RunFailedError(messages.STOPPED(), kind="cancelled")

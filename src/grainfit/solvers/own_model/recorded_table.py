@@ -135,13 +135,6 @@ class RecordedTable(Solver):
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> dict[str, Response]:
-        """Look up a run.
-
-        Raises
-        ------
-        RunFailedError
-            No run is recorded there; the message gives the nearest one.
-        """
         values = self._values(parameters)
         if workspace.cancelled.is_set():
             raise RunFailedError("stopped by the user", kind="cancelled")

@@ -56,7 +56,7 @@ class TemplateNames:
         Names that it sets itself, and those of Jinja2.
     optional : frozenset of tuple of str
         Names that it tests, for example for being defined.
-    words : frozenset of str
+    loose_keys : frozenset of str
         Attributes and texts that may belong to any object.
     has_computed_keys : bool
         Whether it reads attributes whose names it computes.
@@ -68,7 +68,7 @@ class TemplateNames:
     uses: tuple[Use, ...]
     own: frozenset[str]
     optional: frozenset[Path]
-    words: frozenset[str]
+    loose_keys: frozenset[str]
     has_computed_keys: bool
     templates: tuple[str, ...]
 
@@ -83,13 +83,13 @@ def names_in(tree: nodes.Template) -> TemplateNames:
         first.setdefault((use.path, use.is_certain), use)
     uses = tuple(first.values())
     own = frozenset(_own(tree))
-    through_own_names = {word for use in uses if use.path[0] in own for word in use.path[1:]}
+    through_own_names = {key for use in uses if use.path[0] in own for key in use.path[1:]}
     return TemplateNames(
         "\n".join(node.data for node in tree.find_all(nodes.TemplateData)),
         uses,
         own | _OF_JINJA,
         frozenset(_optional(tree)),
-        frozenset({*_loose_words(tree), *through_own_names}),
+        frozenset({*_loose_keys(tree), *through_own_names}),
         any(not isinstance(node.arg, nodes.Const) for node in tree.find_all(nodes.Getitem)),
         tuple(_templates(tree)),
     )
@@ -124,7 +124,7 @@ def _uses(node: nodes.Node, *, is_certain: bool) -> Iterator[Use]:
             yield from _uses(child, is_certain=False)
 
 
-def _loose_words(node: nodes.Node) -> Iterator[str]:
+def _loose_keys(node: nodes.Node) -> Iterator[str]:
     """Yield attributes of anything but names, and texts: ``thing | attr("density")``."""
     if _path(node):
         return
@@ -133,7 +133,7 @@ def _loose_words(node: nodes.Node) -> Iterator[str]:
     if isinstance(node, nodes.Const) and isinstance(node.value, str):
         yield node.value
     for child in node.iter_child_nodes():
-        yield from _loose_words(child)
+        yield from _loose_keys(child)
 
 
 def _own(tree: nodes.Template) -> Iterator[str]:
@@ -155,4 +155,4 @@ def _templates(tree: nodes.Template) -> Iterator[str]:
     for statement in tree.find_all(nodes.Stmt):
         reference = getattr(statement, "template", None)
         if isinstance(reference, nodes.Expr):
-            yield from _loose_words(reference)
+            yield from _loose_keys(reference)

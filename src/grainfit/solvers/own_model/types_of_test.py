@@ -12,13 +12,13 @@ from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Values
 from grainfit.solvers.base import Solver
+from grainfit.solvers.file_entry import TIMEOUT_KEY, FileEntry, TestType
 from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import is_inside
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.solvers.parameters_for import AllBut, ParametersFor
-from grainfit.solvers.type_of_test import TIMEOUT_KEY, FileEntry, TypeOfTest
 
 
 def _check_command(values: Values, place: Place) -> None:
@@ -106,7 +106,7 @@ _PARAMETERS = Key(
     example='["particle_wall.restitution"]',
 )
 
-COMMAND = TypeOfTest(
+COMMAND = TestType(
     "command",
     (
         Key(
@@ -150,7 +150,7 @@ COMMAND = TypeOfTest(
     check=_check_command,
 )
 
-PYTHON = TypeOfTest(
+PYTHON = TestType(
     "python",
     (
         Key(
@@ -166,7 +166,7 @@ PYTHON = TypeOfTest(
     _python,
 )
 
-TABLE = TypeOfTest(
+TABLE = TestType(
     "table",
     (
         Key(

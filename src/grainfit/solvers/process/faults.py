@@ -44,7 +44,7 @@ _LICENCE = re.compile(
     r"|could not check ?out|\bflex(net|lm)\b.*-\d+,\d+",
     re.IGNORECASE,
 )
-#: Words of messages about licence terms, which are not errors.
+#: Parts of messages about licence terms, which are not errors.
 _TERMS = re.compile(
     r"\b(A?L?GPL|GNU|MIT|BSD|Apache|Creative Commons|warranty|copyright|distributed|terms)\b",
     re.IGNORECASE,
@@ -118,17 +118,18 @@ def cause_of_exit(program: str, code: int, log: str) -> Cause:
         return Cause(f"{name}: {reason}", "machine")
     if code < 0:
         return _cause_of_signal(f"{name} was killed by", -code)
-    words = _last_words(log)
+    message = _last_message(log)
     if code in _NOT_STARTED_CODES:
-        return Cause(f"{name} could not start a program: {words or f'exit code {code}'}", "machine")
+        reason = f"{name} could not start a program: {message or f'exit code {code}'}"
+        return Cause(reason, "machine")
     # After the error message of one rank the others are killed: the message is the cause.
-    number = 0 if words.startswith("ERROR") else _reported_signal(code, log)
+    number = 0 if message.startswith("ERROR") else _reported_signal(code, log)
     if number:
         return _cause_of_signal(f"{name} ended because one of its processes was killed by", number)
-    if not words.startswith("ERROR"):
+    if not message.startswith("ERROR"):
         for line in filter(_RANK_LOST.search, _lines(log)):
             return Cause(f"{name} lost one of its processes: {line}", "machine")
-    said = f": {words}" if words else ""
+    said = f": {message}" if message else ""
     return Cause(f"{name} ended with exit code {code}{said}", "simulation")
 
 
@@ -187,11 +188,11 @@ def _signals_in(log: str) -> Iterator[int]:
     for line in _lines(log):
         for pattern in _SIGNALLED:
             if found := pattern.search(line):
-                word = found.group(1)
-                yield int(word) if word.isdecimal() else int(_NAMES[word])
+                text = found.group(1)
+                yield int(text) if text.isdecimal() else int(_NAMES[text])
 
 
-def _last_words(log: str) -> str:
+def _last_message(log: str) -> str:
     """Return the error message of the program, or its last line."""
     lines = list(_lines(log))
     return next((line for line in lines if line.startswith("ERROR")), lines[-1] if lines else "")

@@ -95,7 +95,7 @@ class LammpsSceneDeck(ScriptDeck):
 
     @property
     def shown_energy(self) -> str:
-        """Word for the kinetic energy in the log."""
+        """Keyword of the kinetic energy in the log."""
         return super().shown_energy if self.clumps is None else "v_kinetic"
 
     @property

@@ -123,8 +123,8 @@ class Multispheres:
         yield command("region", f"at{name} block {' '.join(ends)} units box volume_limit 0.0")
         x, y, z, scalar = column.turns[number].tolist()
         motions = (
-            f"{word} constant {_numbers(None if values is None else values[number])}"
-            for word, values in (("vel", column.velocities), ("omega", column.spins))
+            f"{keyword} constant {_numbers(None if values is None else values[number])}"
+            for keyword, values in (("vel", column.velocities), ("omega", column.spins))
         )
         yield continued(
             command("fix", f"put{name} {_GROUP} insert/pack seed {_SEEDS[2]}"),

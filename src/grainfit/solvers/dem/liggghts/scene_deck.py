@@ -107,7 +107,7 @@ class LiggghtsSceneDeck(ScriptDeck):
 
     @property
     def shown_energy(self) -> str:
-        """Words for the kinetic energy in the log; variables of computes must be in it."""
+        """Keywords of the kinetic energy in the log; variables of computes must be in it."""
         return super().shown_energy if self.clumps is None else "v_kinetic v_remaining"
 
     @property

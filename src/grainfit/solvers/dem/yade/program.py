@@ -59,7 +59,6 @@ class Yade(DeckSolver):
 
     @override
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
-        """Return why runs cannot succeed in a part of the intervals."""
         damped = list(_damping_faults((name, ends[1]) for name, ends in intervals.items()))
         # Materials with damping are refused before the test is asked about them.
         return damped or super().interval_faults(intervals)

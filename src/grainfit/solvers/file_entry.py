@@ -1,4 +1,4 @@
-"""Types of test in a calibration file: their keys, and the creation of their solvers."""
+"""Entries of a test in a calibration file: the keys of its type, and its solver."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class FileEntry:
 
 
 @dataclass(frozen=True)
-class TypeOfTest:
+class TestType:
     """One ``type = "..."`` of a calibration file.
 
     Parameters
@@ -75,3 +75,6 @@ class TypeOfTest:
     bulk_test: type[BulkTest] | None = None
     check: Callable[[Values, Place], None] | None = None
     has_curves: bool = True
+
+    # Keeps pytest from taking it for a class of tests.
+    __test__ = False
