@@ -25,6 +25,7 @@ from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.solvers.process import messages
 from grainfit.solvers.process.faults import cause_of_exit, machine_fault
 from grainfit.solvers.process.process import run_process
 from grainfit.solvers.process.run_folder import RunFolder
@@ -123,7 +124,8 @@ def test_program_of_a_script_that_is_not_installed(tmp_path):
     error = failure(shell(tmp_path, "no-such-solver -in deck"), tmp_path / "run")
 
     assert error.kind == "machine"
-    assert "a program could not be started: run.sh: 1: no-such-solver: not found" in error.reason
+    said = messages.NO_PROGRAM(reason="run.sh: 1: no-such-solver: not found")
+    assert said in error.reason
 
 
 # --- licences and memory -------------------------------------------------------------------------
@@ -139,7 +141,7 @@ def test_solver_without_a_licence(tmp_path, code):
     error = failure(shell(tmp_path, script), tmp_path / "run")
 
     assert error.kind == "machine"
-    assert "no licence for the program: ERROR: License checkout failed" in error.reason
+    assert messages.NO_LICENCE(reason="ERROR: License checkout failed") in error.reason
     assert "-4,132" in error.log_tail
 
 
@@ -150,7 +152,7 @@ def test_program_that_runs_out_of_memory(tmp_path):
         kill -ABRT $$"""
     error = failure(shell(tmp_path, script), tmp_path / "run")
 
-    assert (error.kind, "not enough memory" in error.reason) == ("machine", True)
+    assert (error.kind, messages.NO_MEMORY.is_in(error.reason)) == ("machine", True)
 
 
 def test_evaluation_that_runs_out_of_memory(tmp_path):
@@ -165,17 +167,18 @@ def test_evaluation_that_runs_out_of_memory(tmp_path):
     )
     error = failure(Command(folder, ["true"], evaluate="evaluate.py:measure"), tmp_path / "run")
 
-    assert (error.kind, "not enough memory" in error.reason) == ("machine", True)
+    assert (error.kind, messages.NO_MEMORY.is_in(error.reason)) == ("machine", True)
     assert "MemoryError" in error.log_tail
     error = failure(PythonCallable(lambda parameters, seed: bytearray(2**62)), tmp_path / "none")
-    assert (error.kind, "not enough memory" in error.reason) == ("machine", True)
+    assert (error.kind, messages.NO_MEMORY.is_in(error.reason)) == ("machine", True)
 
 
 def test_process_that_the_system_killed(tmp_path):
     error = failure(shell(tmp_path, "kill -KILL $$"), tmp_path / "run")
 
     assert error.kind == "machine"
-    assert error.reason == "sh was killed by SIGKILL, most often for lack of memory"
+    lack = messages.OUT_OF_MEMORY(signal="SIGKILL")
+    assert error.reason == messages.KILLED(program="sh", signal=lack)
 
 
 # --- crashes, also behind launchers and scripts --------------------------------------------------
@@ -206,8 +209,9 @@ def test_rank_that_is_killed_is_told_from_the_ranks_that_the_launcher_ends(
     error = failure(solver, tmp_path / "run")
 
     assert error.kind == kind
-    assert f"one of its processes was killed by SIG{number}" in error.reason
-    assert ("memory" in error.reason) == (number == "KILL")
+    name = f"SIG{number}"
+    said = messages.OUT_OF_MEMORY(signal=name) if number == "KILL" else name
+    assert error.reason == messages.PROCESS_KILLED(program=Path(launcher[0]).name, signal=said)
 
 
 @pytest.mark.parametrize("launcher", LAUNCHERS)
@@ -217,14 +221,14 @@ def test_launcher_that_cannot_start_the_solver(tmp_path, launcher):
     error = failure(solver, tmp_path / "run")
 
     # Open MPI ends with code 132, as if by an illegal instruction.
-    assert (error.kind, "could not be started" in error.reason) == ("machine", True)
+    assert (error.kind, messages.NO_PROGRAM.is_in(error.reason)) == ("machine", True)
 
 
 @pytest.mark.parametrize(
     ("code", "log", "kind", "said"),
     [
         (139, "", "simulation", "SIGSEGV"),
-        (137, "", "machine", "SIGKILL, most often for lack of memory"),
+        (137, "", "machine", messages.OUT_OF_MEMORY(signal="SIGKILL")),
         (143, "", "machine", "SIGTERM"),
         (
             1,
@@ -241,21 +245,26 @@ def test_launcher_that_cannot_start_the_solver(tmp_path, launcher):
         ),
         # The rank that gave up had the others killed.
         (137, "ERROR on proc 1: Neighbor list overflow\nsigned off\n", "simulation", "overflow"),
-        (255, "last words", "simulation", "ended with exit code 255: last words"),
-        (-11, "", "simulation", "was killed by SIGSEGV"),
-        (254, "last words", "simulation", "ended with exit code 254"),
-        (15, "Fatal error in internal_Wait: Other MPI error, error stack:", "machine", "lost one"),
-        (134, "slurmstepd: Detected 1 oom_kill event in StepId=1.0", "machine", "memory"),
-        (1, "ERROR on proc 0: Failed to allocate 80000000000 bytes", "machine", "memory"),
-        (1, "lmp: error while loading shared libraries: libmpi.so.12", "machine", "started"),
-        (127, "", "machine", "could not start a program"),
+        (255, "last words", "simulation", f"{messages.EXIT_CODE(code=255)}: last words"),
+        (-11, "", "simulation", messages.KILLED(program="solver", signal="SIGSEGV")),
+        (254, "last words", "simulation", messages.EXIT_CODE(code=254)),
+        (15, "Fatal error in internal_Wait: Other MPI error", "machine", messages.PROCESS_LOST),
+        (134, "slurmstepd: Detected 1 oom_kill event in StepId=1.0", "machine", messages.NO_MEMORY),
+        (1, "ERROR on proc 0: Failed to allocate 80000000000 bytes", "machine", messages.NO_MEMORY),
+        (
+            1,
+            "lmp: error while loading shared libraries: libmpi.so.12",
+            "machine",
+            messages.NO_PROGRAM,
+        ),
+        (127, "", "machine", messages.STARTED_NOTHING),
     ],
 )
 def test_what_the_end_of_a_program_means(code, log, kind, said):
     cause = cause_of_exit("/opt/bin/solver", code, log)
 
     assert cause.kind == kind
-    assert said in cause.reason
+    assert said in cause.reason if isinstance(said, str) else said.is_in(cause.reason)
 
 
 @pytest.mark.parametrize(
@@ -270,8 +279,8 @@ def test_what_the_end_of_a_program_means(code, log, kind, said):
         "FLEXlm error: -15,570",
     ],
 )
-def test_words_for_a_missing_licence(line):
-    assert "no licence" in machine_fault(f"Solver 3.1\n{line}\nbye\n")
+def test_messages_of_a_missing_licence(line):
+    assert machine_fault(f"Solver 3.1\n{line}\nbye\n") == messages.NO_LICENCE(reason=line)
 
 
 @pytest.mark.parametrize(
@@ -285,7 +294,7 @@ def test_words_for_a_missing_licence(line):
         "disk loading test, particles in the disk: 100",
     ],
 )
-def test_words_that_are_no_fault_of_the_machine(line):
+def test_messages_that_are_no_fault_of_the_machine(line):
     assert machine_fault(line) == ""
     assert cause_of_exit("solver", 1, line).kind == "simulation"
 
@@ -312,7 +321,9 @@ run             1000000000
     error = failure(solver, tmp_path / "run", timeout=30)
 
     assert error.kind == "simulation"
-    assert "ended with exit code 1: ERROR: Lost atoms: original 400 current 0" in error.reason
+    assert (
+        f"{messages.EXIT_CODE(code=1)}: ERROR: Lost atoms: original 400 current 0" in error.reason
+    )
     assert "Lost atoms" in error.log_tail
 
 
@@ -361,7 +372,7 @@ def tiny_disk(tmp_path):
         subprocess.run(["umount", str(disk)], check=True)
 
 
-FULL = "the disk of the run's folder is full"
+FULL = messages.DISK_FULL()
 
 
 @pytest.mark.parametrize(
@@ -408,7 +419,7 @@ def test_disk_that_is_full_elsewhere(tmp_path, code):
     error = failure(shell(tmp_path, f"cat run.sh > /dev/full\nexit {code}"), tmp_path / "run")
 
     assert error.kind == "machine"
-    assert "the disk of the run's folder, or another one it writes to, was full" in error.reason
+    assert messages.DISK_IN_LOG.is_in(error.reason)
     assert "No space left on device" in error.log_tail
 
 
@@ -430,12 +441,12 @@ def test_folder_that_cannot_be_written(tiny_disk, tmp_path):
     error = failure(shell(tmp_path, "exit 0"), tiny_disk)
 
     assert error.kind == "machine"
-    assert error.reason == "its folder cannot be written: Read-only file system"
+    assert error.reason == messages.FOLDER_READ_ONLY(reason="Read-only file system")
 
 
 # --- a folder that goes away ---------------------------------------------------------------------
 
-REMOVED = "its folder was removed while it ran"
+REMOVED = messages.FOLDER_REMOVED()
 
 
 def remove(folder: Path) -> None:
@@ -571,7 +582,7 @@ def test_child_with_a_session_of_its_own_is_ended_too(tmp_path):
         "    open('pid', 'w').write(str(os.getpid()))\n"
         "time.sleep(600)\n"
     )
-    with pytest.raises(RunFailedError, match="time-out"):
+    with pytest.raises(RunFailedError, match=messages.TOO_LONG.pattern):
         run_process([PYTHON, "-c", code], Workspace(tmp_path, timeout=0.5))
 
     assert not is_running((tmp_path / "pid").read_text())
@@ -584,6 +595,6 @@ def test_clock_that_jumps_neither_ends_nor_prolongs_a_run(tmp_path, monkeypatch)
     assert run_process(["true"], Workspace(tmp_path, timeout=30)) < 10
     monkeypatch.setattr(time, "time", lambda: 0.0)
     started = time.monotonic()
-    with pytest.raises(RunFailedError, match="time-out"):
+    with pytest.raises(RunFailedError, match=messages.TOO_LONG.pattern):
         run_process(["sleep", "60"], Workspace(tmp_path, timeout=0.3))
     assert time.monotonic() - started < 5

@@ -14,7 +14,6 @@ CANNOT_BE_SENT = Message(
     "Give a function that is defined at the top of a module, or use threads.",
 )
 WORKER_LOST = Message("the worker was lost: {kind}: {reason}")
-STOPPED_BY_USER = Message("stopped by the user")
 FOLDER_REMOVED = Message("the folder of the run was removed while it ran")
 FOLDER_NOT_KEPT = Message("the run's folder could not be kept: {reason}")
 UNEXPECTED = Message("unexpected {kind}: {reason}")
@@ -56,6 +55,21 @@ NO_DRIVER = Message(
     "For PostgreSQL: {install}",
 )
 STORE_UNUSABLE = Message("the run store {store} cannot be used: {reason}.", "{remedy}")
+NO_REPLY = Message("no answer from the server within {seconds:g} s")
+CHECK_SERVER = Message(
+    "Check that the database server runs, can be reached, and accepts this user."
+)
+MAKE_ROOM = Message("The disk is full: make room and start again.")
+USED_OR_NO_LOCKS = Message(
+    "Another process uses it (wait for its end), or its file system has no locks."
+)
+CORRECT_THAT = Message("{cause}.", "Correct that and start again.")
+CHECK_FILES = Message(
+    "Check that its folder, and the files beside it ending in -wal and -shm, can be written."
+)
+FOLDER_MISSING = Message("The folder {folder!r} is missing")
+NOT_WRITABLE = Message("{file!r} cannot be written: {reason}")
+NOTHING_WRITABLE = Message("Nothing can be written to {folder!r}: {reason}")
 STORE_DAMAGED = Message("the run store {store} is damaged: {reason}.", "{remedy}")
 STORE_IS_FOLDER = Message("the run store {store} is a folder, not a file.", "{remedy}")
 STORE_EMPTY = Message("the run store {store} is empty: nothing was run yet.")

@@ -24,6 +24,7 @@ from grainfit.campaign.work_folder import close_run_folder, open_run_folder, run
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import Measured, scalars
 from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.process import messages as process_messages
 from grainfit.solvers.process.faults import machine_error
 
 _TAIL_CHARACTERS = 2000
@@ -81,7 +82,7 @@ def execute(task: RunTask, cancelled: threading.Event | None = None) -> RunRecor
     partial = None
     try:
         if cancelled.is_set():
-            raise RunFailedError(messages.STOPPED_BY_USER(), kind="cancelled")
+            raise RunFailedError(process_messages.STOPPED(), kind="cancelled")
         if task.solver.uses_folder:
             partial = open_run_folder(task.folder, task.record.identity)
         workspace = Workspace(partial or task.folder, task.timeout, cancelled)

@@ -19,6 +19,7 @@ from grainfit.metamodels.two_states import has_two_states
 from grainfit.one_line import one_line
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality
+from grainfit.strategies import messages
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.out_of_reach import Bound, OutOfReach
@@ -236,7 +237,7 @@ def answer_from_runs(
     names = set(problem.responses)
     tried = [e.proposal.parameters for e in evaluations if names <= e.response_names]
     if not tried:
-        raise RunFailedError("no parameter set gave all responses, so none can be the answer")
+        raise RunFailedError(messages.NO_ANSWER())
     points = np.array([problem.to_unit(values) for values in tried])
     best = int(np.argmin(metamodels.misfit(points)))
     costs = RunCosts(problem, evaluations)

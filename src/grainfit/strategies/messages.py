@@ -4,6 +4,10 @@ from grainfit.messages import Message
 
 UNKNOWN_STRATEGY = Message("{name!r} is unknown.", "Use one of: {known}.")
 NO_STRATEGY = Message("is {given!r}.", "Give {names}, or an object such as grainfit.Sequential().")
+NAME_TAKEN = Message("there is another one of this name")
+NO_SUBCLASS = Message("it is no subclass of grainfit.Strategy")
+OTHER_NAME = Message("its class calls it {name!r}")
+LEFT_OUT = Message("the strategy {name!r} ({place}) is left out: {error}")
 FOREIGN_OPTION = Message("has no meaning for the {strategy} strategy.", "{instead}")
 OPTION_OF_OTHERS = Message("Leave it out, or use strategy {others}.")
 FOREIGN_WEIGHT = Message(
@@ -23,6 +27,8 @@ LARGEST_TIME_STEP = Message(
     "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
     "time step was taken: {gained:+.1%} against the closest one."
 )
+
+NO_ANSWER = Message("no parameter set gave all responses, so none can be the answer")
 
 # Half-widths of the 95 % intervals.
 HALF_WIDTHS_REACHED = Message(

@@ -50,22 +50,21 @@ def strategies() -> Mapping[str, type[Strategy]]:
             found[point.name] = _loaded(point, found)
         except Exception as error:
             # An error in another package must not prevent the use of all other strategies.
-            warnings.warn(
-                f"the strategy {point.name!r} ({point.value}) is left out: {error}", stacklevel=2
-            )
+            left_out = messages.LEFT_OUT(name=point.name, place=point.value, error=error)
+            warnings.warn(left_out, stacklevel=2)
     return MappingProxyType(found)
 
 
 def _loaded(point: EntryPoint, known: Mapping[str, type[Strategy]]) -> type[Strategy]:
     if point.name in known:
-        raise ValueError("there is another one of this name")
+        raise ValueError(messages.NAME_TAKEN())
     strategy = point.load()
     if not (isinstance(strategy, type) and issubclass(strategy, Strategy)):
-        raise TypeError("it is no subclass of grainfit.Strategy")
+        raise TypeError(messages.NO_SUBCLASS())
     if sentence := incomplete("strategy", point.value, gaps(strategy, ["name"])):
         raise TypeError(sentence)
     if strategy.name != point.name:
-        raise ValueError(f"its class calls it {strategy.name!r}")
+        raise ValueError(messages.OTHER_NAME(name=strategy.name))
     return strategy
 
 

@@ -12,6 +12,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from grainfit.campaign import messages
+
 #: Errors of a file whose contents are not those of a store.
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
 _IN_USE = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
@@ -33,25 +35,25 @@ def remedy(cause: BaseException, path: Path | None, renew: str) -> str:
     """
     code = getattr(cause, "sqlite_errorcode", None)
     if code is None:
-        return "Check that the database server runs, can be reached, and accepts this user."
+        return messages.CHECK_SERVER()
     # The low byte is the kind of the error, the rest its details.
     kind = code & 0xFF
     if kind in _DAMAGED:
         return renew
     if kind == sqlite3.SQLITE_FULL:
-        return "The disk is full: make room and start again."
+        return messages.MAKE_ROOM()
     if kind in _IN_USE:
-        return "Another process uses it (wait for its end), or its file system has no locks."
+        return messages.USED_OR_NO_LOCKS()
     found = next(_obstacles(path), "") if path is not None else ""
     if found:
-        return f"{found}. Correct that and start again."
-    return "Check that its folder, and the files beside it ending in -wal and -shm, can be written."
+        return messages.CORRECT_THAT(cause=found)
+    return messages.CHECK_FILES()
 
 
 def _obstacles(path: Path) -> Iterator[str]:
     """Yield why the file of a store, or one beside it, cannot be used."""
     if not path.parent.is_dir():
-        yield f"The folder {str(path.parent)!r} is missing"
+        yield messages.FOLDER_MISSING(folder=str(path.parent))
     for name in (path.name, f"{path.name}-wal", f"{path.name}-shm"):
         file = path.with_name(name)
         try:
@@ -60,11 +62,11 @@ def _obstacles(path: Path) -> Iterator[str]:
         except FileNotFoundError:
             continue
         except OSError as error:
-            yield f"{str(file)!r} cannot be written: {error.strerror}"
+            yield messages.NOT_WRITABLE(file=str(file), reason=error.strerror)
     try:
         with tempfile.TemporaryFile(dir=path.parent) as trial:
             trial.write(bytes(_TRIED_BYTES))
             trial.flush()
             os.fsync(trial.fileno())
     except OSError as error:
-        yield f"Nothing can be written to {str(path.parent)!r}: {error.strerror}"
+        yield messages.NOTHING_WRITABLE(folder=str(path.parent), reason=error.strerror)

@@ -9,6 +9,8 @@ from typing import Any
 import psycopg
 from psycopg import waiting
 
+from grainfit.campaign import messages
+
 #: Longest wait for a connection, and for the next bytes of an answer, s.
 CONNECT_SECONDS = 10
 SILENCE_SECONDS = 10.0
@@ -90,7 +92,7 @@ class ImpatientConnection(psycopg.Connection[Any]):
                 limit = self.connector.silence_seconds if self.connector else SILENCE_SECONDS
                 if now - heard > limit:
                     self.close()
-                    raise psycopg.OperationalError(f"no answer from the server within {limit:g} s")
+                    raise psycopg.OperationalError(messages.NO_REPLY(seconds=limit))
                 wanted = gen.send(ready)
         except StopIteration as end:
             return end.value

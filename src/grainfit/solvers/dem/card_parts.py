@@ -42,17 +42,14 @@ def origin(card: MaterialCard, solver: str) -> str:
 def _validity(card: MaterialCard, solver: str) -> str:
     found = {program.name for program in card.programs}
     if found == {solver}:
-        return f"The values were calibrated with {_DECKS[solver]} and this contact model."
+        return messages.CALIBRATED_HERE(solver=_DECKS[solver])
     if not found or not found <= _DECKS.keys():
-        return (
-            "CHECK: the values were calibrated with a custom model and hold for its contact model. "
-            "This card has the contact model of grainfit's own tests. Check that they are the same."
-        )
-    calibrated = f"the values were calibrated with {' and '.join(_DECKS[n] for n in sorted(found))}"
+        return messages.CALIBRATED_ELSEWHERE()
+    solvers = " and ".join(_DECKS[name] for name in sorted(found))
     law = contact_law(card.values, card.contact_models)
     if difference := law.solver_difference(card.values, found | {solver}):
-        return f"CHECK: {calibrated}. {difference} Repeat the bulk test before you rely on them."
-    return f"{calibrated[0].upper()}{calibrated[1:]}, which agrees without a rolling dashpot."
+        return messages.CALIBRATED_DIFFERENTLY(solvers=solvers, difference=difference)
+    return messages.CALIBRATED_ALIKE(solvers=solvers)
 
 
 def simulated_card(card: MaterialCard) -> MaterialCard:

@@ -27,6 +27,7 @@ NO_LAUNCHER = Message(
     "{ranks} MPI ranks need mpiexec, which is not found.",
     "Install it with: apt-get install openmpi-bin",
 )
+FOUND = Message("{solver} is found; the first run asks it for its version.")
 LACKS_CONCEPT = Message("{solver} cannot simulate this {test} test.", "{reason}.")
 
 # --- materials -----------------------------------------------------------------------------------
@@ -68,6 +69,19 @@ RADIAL_FORCE_OF_MESH = Message(
 
 # --- cards ---------------------------------------------------------------------------------------
 
+CALIBRATED_HERE = Message("The values were calibrated with {solver} and this contact model.")
+CALIBRATED_ALIKE = Message(
+    "The values were calibrated with {solvers}, which agrees without a rolling dashpot."
+)
+CALIBRATED_DIFFERENTLY = Message(
+    "CHECK: the values were calibrated with {solvers}. {difference}",
+    "Repeat the bulk test before you rely on them.",
+)
+CALIBRATED_ELSEWHERE = Message(
+    "CHECK: the values were calibrated with a custom model and hold for its contact model. This "
+    "card has the contact model of grainfit's own tests.",
+    "Check that they are the same.",
+)
 NOT_ON_CARD = Message("is {value:g}, which no card for {solver} can hold.", "{limits}")
 CARD_NEEDS = Message(
     "a card for {solver} needs {missing}, which this calibration does not have.",

@@ -377,7 +377,7 @@ class DeckSolver(Solver):
         """Return the message that the solver is ready; does not start a given executable."""
         if self.executable is None:
             return super().readiness()
-        return f"{self.name} is found; the first run asks it for its version."
+        return messages.FOUND(solver=self.name)
 
     @override
     def estimate_cost(self, parameters: Mapping[str, float]) -> RunCost:

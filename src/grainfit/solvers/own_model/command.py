@@ -38,6 +38,7 @@ from grainfit.solvers.own_model.model_input import (
     require_distinct,
     write_parameters,
 )
+from grainfit.solvers.process import messages as process_messages
 from grainfit.solvers.process.line_buffering import line_buffering
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 
@@ -202,7 +203,7 @@ class Command(Solver):
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> Mapping[str, Measured]:
         if workspace.cancelled.is_set():
-            raise RunFailedError(messages.STOPPED(), kind="cancelled")
+            raise RunFailedError(process_messages.STOPPED(), kind="cancelled")
         values = self._values(parameters)
         if faults := self._unmentioned(parameters):
             raise InputError(faults, str(self._model.path))

@@ -59,9 +59,16 @@ NOT_LISTED = Message(
     "Leave only what a run reads in the folder of your model, or allow it.",
 )
 
+RESPONSES_TWICE = Message(
+    "is given together with evaluate.",
+    "Keep the JSON file that your command writes, or the function that evaluates the run.",
+)
+FUNCTION_OUTSIDE = Message(
+    "is {given}, which is outside the model's folder.", "Put the file into {folder}."
+)
+
 # --- runs ----------------------------------------------------------------------------------------
 
-STOPPED = Message("stopped by the user")
 CHANGED_MODEL = Message(
     "the files in {folder} were changed while the calibration is running; start it again"
 )

@@ -25,6 +25,7 @@ from grainfit.evaluation.exchange import finite_parameters, read_responses
 from grainfit.options.python_file import PythonFile
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.own_model import messages
+from grainfit.solvers.process import messages as process_messages
 from grainfit.solvers.process.faults import machine_error
 
 Function = Callable[[dict[str, float], int], Mapping[str, Any]]
@@ -140,7 +141,7 @@ class PythonCallable(Solver):
     ) -> Mapping[str, Measured]:
         values = finite_parameters(parameters)
         if workspace.cancelled.is_set():
-            raise RunFailedError(messages.STOPPED(), kind="cancelled")
+            raise RunFailedError(process_messages.STOPPED(), kind="cancelled")
         try:
             found = self._function(values, int(seed))
         except RunFailedError:

@@ -25,6 +25,7 @@ from grainfit.solvers.own_model.csv_table import (
     note_old_error_column,
     repeated_runs,
 )
+from grainfit.solvers.process import messages as process_messages
 from grainfit.table_files import messages as table_messages
 from grainfit.table_files.headings import Heading
 from grainfit.table_files.reading import (
@@ -137,7 +138,7 @@ class RecordedTable(Solver):
     ) -> dict[str, Response]:
         values = self._values(parameters)
         if workspace.cancelled.is_set():
-            raise RunFailedError("stopped by the user", kind="cancelled")
+            raise RunFailedError(process_messages.STOPPED(), kind="cancelled")
         row = self._pick(self._replicates(values), int(seed))
         return {
             name: Response(row[name], row.get(f"{name}{ERROR_SUFFIX}", 0.0))

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.errors import FailureKind
+from grainfit.messages import Message
+from grainfit.solvers.process import messages
 
 _LONGEST_LINE = 200
 #: Exit code of a shell (and of similar launchers): this plus the signal.
@@ -117,59 +119,60 @@ def cause_of_exit(program: str, code: int, log: str) -> Cause:
     if reason := machine_fault(log):
         return Cause(f"{name}: {reason}", "machine")
     if code < 0:
-        return _cause_of_signal(f"{name} was killed by", -code)
+        return _cause_of_signal(messages.KILLED, name, -code)
     message = _last_message(log)
+    exit_code = messages.EXIT_CODE(code=code)
     if code in _NOT_STARTED_CODES:
-        reason = f"{name} could not start a program: {message or f'exit code {code}'}"
+        reason = messages.STARTED_NOTHING(program=name, reason=message or exit_code)
         return Cause(reason, "machine")
     # After the error message of one rank the others are killed: the message is the cause.
-    number = 0 if message.startswith("ERROR") else _reported_signal(code, log)
-    if number:
-        return _cause_of_signal(f"{name} ended because one of its processes was killed by", number)
     if not message.startswith("ERROR"):
+        if number := _reported_signal(code, log):
+            return _cause_of_signal(messages.PROCESS_KILLED, name, number)
         for line in filter(_RANK_LOST.search, _lines(log)):
-            return Cause(f"{name} lost one of its processes: {line}", "machine")
-    said = f": {message}" if message else ""
-    return Cause(f"{name} ended with exit code {code}{said}", "simulation")
+            return Cause(messages.PROCESS_LOST(program=name, line=line), "machine")
+    reason = f"{exit_code}: {message}" if message else exit_code
+    return Cause(messages.ENDED(program=name, reason=reason), "simulation")
 
 
 def machine_fault(log: str) -> str:
     """Return the fault of the machine that a log reports; empty if there is none."""
     for line in _lines(log):
         if _DISK.search(line):
-            return f"the disk of the run's folder, or another one it writes to, was full: {line}"
+            return messages.DISK_IN_LOG(reason=line)
         if _MEMORY.search(line):
-            return f"not enough memory: {line}"
+            return messages.NO_MEMORY(reason=line)
         if _LICENCE.search(line) and not _TERMS.search(line):
-            return f"no licence for the program: {line}"
+            return messages.NO_LICENCE(reason=line)
         if _NOT_STARTED.search(line):
-            return f"a program could not be started: {line}"
+            return messages.NO_PROGRAM(reason=line)
     return ""
 
 
 def machine_error(error: BaseException) -> str:
     """Return the fault of the machine that a Python exception reports; empty if there is none."""
     if isinstance(error, MemoryError):
-        return f"not enough memory: {' '.join(str(error).split()) or 'MemoryError'}"
+        return messages.NO_MEMORY(reason=" ".join(str(error).split()) or "MemoryError")
     if not isinstance(error, OSError):
         return ""
     if error.errno == errno.ENOSPC:
-        return "the disk of the run's folder is full"
+        return messages.DISK_FULL()
     if error.errno == errno.EDQUOT:
-        return "the disk quota for the run's folder is used up"
+        return messages.QUOTA_USED_UP()
     if error.errno == errno.ENOMEM:
-        return f"not enough memory: {error}"
+        return messages.NO_MEMORY(reason=error)
     return ""
 
 
-def _cause_of_signal(killed_by: str, number: int) -> Cause:
+def _cause_of_signal(killed: Message, program: str, number: int) -> Cause:
     try:
         name = signal.Signals(number).name
     except ValueError:
-        name = f"signal {number}"
+        name = messages.SIGNAL(number=number)
     if number == signal.SIGKILL:
-        name += ", most often for lack of memory"
-    return Cause(f"{killed_by} {name}", "machine" if number in _OUTSIDE else "simulation")
+        name = messages.OUT_OF_MEMORY(signal=name)
+    reason = killed(program=program, signal=name)
+    return Cause(reason, "machine" if number in _OUTSIDE else "simulation")
 
 
 def _reported_signal(code: int, log: str) -> int:

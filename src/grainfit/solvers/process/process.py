@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from grainfit.errors import RunFailedError, SolverNotFoundError
 from grainfit.files import end_of_file, last_lines, log_tail, text_of
 from grainfit.solvers.base import Workspace
+from grainfit.solvers.process import messages
 from grainfit.solvers.process.ending import GRACE_SECONDS, end_process_group
 from grainfit.solvers.process.faults import Cause, cause_of_exit, machine_error, machine_fault
 from grainfit.solvers.process.orphans import (
@@ -20,7 +21,7 @@ from grainfit.solvers.process.orphans import (
     mark_of,
     record_session,
 )
-from grainfit.solvers.process.run_folder import REMOVED, RunFolder
+from grainfit.solvers.process.run_folder import RunFolder
 from grainfit.solvers.process.stopwatch import Stopwatch
 
 LOG_NAME = "solver.log"
@@ -79,9 +80,8 @@ def run_process(
         # ValueError: an argument that no program can be given, such as one with a zero byte.
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
-            raise RunFailedError(
-                f"cannot start {command[0]!r}: {reason}", kind="machine"
-            ) from error
+            failure = messages.NOT_STARTED(program=command[0], reason=reason)
+            raise RunFailedError(failure, kind="machine") from error
         has_ended = False
         try:
             record_session(workspace.folder, process.pid)
@@ -96,7 +96,7 @@ def run_process(
         text = end_of_file(log.fileno())
         if stopped is None and process.returncode != 0:
             # Without its folder a program ends with various errors; this is their cause.
-            gone = Cause(REMOVED, "machine") if folder.is_gone() else None
+            gone = Cause(messages.FOLDER_REMOVED(), "machine") if folder.is_gone() else None
             stopped = gone or cause_of_exit(command[0], process.returncode, text)
     if stopped is not None:
         raise RunFailedError(stopped.reason, last_lines(text), stopped.kind)
@@ -127,11 +127,12 @@ def recorded_faults(workspace: Workspace) -> Iterator[None]:
             except (OSError, MemoryError) as error:
                 reason = folder.fault() or machine_error(error)
                 if not reason and isinstance(error, OSError):
-                    reason = f"its folder cannot be used: {error}"
+                    reason = messages.FOLDER_UNUSABLE(reason=error)
                 tail = log_tail(path / LOG_NAME)
                 raise RunFailedError(reason, tail, "machine") from error
     except OSError as error:
-        raise RunFailedError(f"its folder cannot be used: {error}", kind="machine") from error
+        reason = messages.FOLDER_UNUSABLE(reason=error)
+        raise RunFailedError(reason, kind="machine") from error
 
 
 def _wait(
@@ -143,13 +144,12 @@ def _wait(
     while process.poll() is None:
         seconds = watch.look()
         if workspace.cancelled.is_set():
-            return Cause("stopped by the user", "cancelled")
+            return Cause(messages.STOPPED(), "cancelled")
         if workspace.timeout is not None and seconds > workspace.timeout:
-            reason = f"took longer than its time-out of {workspace.timeout:g} s and was ended"
-            return Cause(reason, "timeout")
+            return Cause(messages.TOO_LONG(timeout=workspace.timeout), "timeout")
         if seconds - watched > _WATCH_SECONDS:
             if folder.is_gone():
-                return Cause(REMOVED, "machine")
+                return Cause(messages.FOLDER_REMOVED(), "machine")
             watched = seconds
         time.sleep(delay)
         delay = min(delay * 2, _POLL_SECONDS)

@@ -9,9 +9,9 @@ from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
+from grainfit.solvers.process import messages
 from grainfit.solvers.process.faults import machine_error
 
-REMOVED = "its folder was removed while it ran"
 #: A disk with less free space than this is full.
 _ROOM_BYTES = 65536
 _READ = os.O_RDONLY | os.O_DIRECTORY
@@ -66,11 +66,11 @@ class RunFolder:
     def fault(self) -> str:
         """Return the reason why the folder is not writable, in one line; empty if it is."""
         if self.is_gone():
-            return REMOVED
+            return messages.FOLDER_REMOVED()
         try:
             self._write()
         except OSError as error:
-            return machine_error(error) or f"its folder cannot be written: {error.strerror}"
+            return machine_error(error) or messages.FOLDER_READ_ONLY(reason=error.strerror)
         return ""
 
     def _write(self) -> None:

@@ -19,6 +19,7 @@ from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
+from grainfit.strategies import messages
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.batches import Batches, BatchSearch
 from grainfit.strategies.budget import design_size
@@ -150,7 +151,7 @@ class StagedSearch(BatchSearch):
             )
         candidates = [dict(e.proposal.parameters) for e in self._successful()]
         if not candidates:
-            raise RunFailedError("no parameter set gave all responses, so none can be the answer")
+            raise RunFailedError(messages.NO_ANSWER())
         means, variances = metamodels.predict([self.problem.to_unit(p) for p in candidates])
         misfits = [
             expected_misfit(metamodels.problem, *known)
