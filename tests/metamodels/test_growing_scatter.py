@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from grainfit.metamodels.growing_scatter import GrowingScatter, find_growing_sca
 from grainfit.metamodels.outliers import fit_without_outliers
 
 
+@cache
 def fitted(seed: int, low: float, high: float, n: int = 30):
     random = np.random.default_rng(seed)
     points = random.random((n, 2))

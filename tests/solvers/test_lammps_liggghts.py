@@ -7,6 +7,7 @@ import shutil
 import stat
 import threading
 import time
+from functools import cache
 
 import pytest
 
@@ -47,6 +48,18 @@ def run(solver_type, folder, test=SMALL, seed=1, ranks=1, timeout=120.0, **chang
     solver = solver_type(test, {**GLASS_BEADS, **changes}, ranks=ranks)
     responses = solver.run({}, seed, Workspace(folder, timeout))
     return {name: response.value for name, response in scalars(responses).items()}
+
+
+@pytest.fixture(scope="module")
+def small_heap(tmp_path_factory):
+    """Give the folder and the responses of one small heap of each solver."""
+
+    @cache
+    def simulated(solver_type):
+        folder = tmp_path_factory.mktemp(solver_type.name)
+        return folder, run(solver_type, folder)
+
+    return simulated
 
 
 class TestParameters:
@@ -175,20 +188,22 @@ class TestRealHeaps:
         assert response["angle_of_repose"] == pytest.approx(21.9, abs=4 * 0.8)
 
     @each_solver
-    def test_equal_seeds_give_equal_heaps_and_other_seeds_others(self, solver_type, tmp_path):
-        results = []
-        for number, seed in enumerate((1, 1, 2)):
-            folder = tmp_path / str(number)
-            folder.mkdir()
-            results.append(run(solver_type, folder, seed=seed))
-        assert results[0] == results[1]
-        assert results[0] != results[2]
-        left = {path.name: path for path in (tmp_path / "0").iterdir()}
+    def test_equal_seeds_give_equal_heaps_and_other_seeds_others(
+        self, solver_type, small_heap, tmp_path
+    ):
+        folder, first = small_heap(solver_type)
+        others = []
+        for seed in (1, 2):
+            (tmp_path / str(seed)).mkdir()
+            others.append(run(solver_type, tmp_path / str(seed), seed=seed))
+        assert others[0] == first
+        assert others[1] != first
+        left = {path.name: path for path in folder.iterdir()}
         assert {STAGES, SNAPSHOTS, "heap.png", "heap.vtk"} <= set(left)
         snapshots = {path.name for path in left[SNAPSHOTS].iterdir()}
         assert snapshots == {"settled.dump", "heap.dump"}
         # The folder can be copied and its deck run by hand.
-        assert str(tmp_path) not in left[f"in.{solver_type.name}"].read_text()
+        assert str(folder) not in left[f"in.{solver_type.name}"].read_text()
 
     @each_solver
     def test_bidisperse_particles_pack_denser(self, solver_type, tmp_path):
@@ -244,15 +259,11 @@ class TestRealHeaps:
 
     @each_solver
     @pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="needs two cores")
-    def test_two_ranks_simulate_the_same_test(self, solver_type, tmp_path):
+    def test_two_ranks_simulate_the_same_test(self, solver_type, small_heap, tmp_path):
         # Up to the bulk density the motion of two ranks differs from that of one by little.
-        densities = []
-        for ranks in (1, 2):
-            folder = tmp_path / str(ranks)
-            folder.mkdir()
-            result = run(solver_type, folder, ranks=ranks, timeout=300)
-            densities.append(result["bulk_density"])
-        assert densities[1] == pytest.approx(densities[0], rel=0.03)
+        _, alone = small_heap(solver_type)
+        result = run(solver_type, tmp_path, ranks=2, timeout=300)
+        assert result["bulk_density"] == pytest.approx(alone["bulk_density"], rel=0.03)
 
     @each_solver
     def test_the_user_can_stop_a_run(self, solver_type, tmp_path):

@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -55,10 +56,12 @@ def model(parameters: dict[str, float], seed: int) -> dict[str, float]:
     return {name: response.value for name, response in found.items()}
 
 
+@cache
 def calibrated(
-    strategy: Sequential, problem: Problem, seed: int, noise: float = 1.0
+    wanted: str | None = None, seed: int = 1, noise: float = 1.0, uncertainty: float = 0.3
 ) -> tuple[Search, list[Evaluation]]:
-    search = strategy.start(problem, seed)
+    """A finished search for a half-width, which several tests look at."""
+    search = Sequential(wanted_half_width=wanted).start(ridge(uncertainty), seed)
     return search, converse(search, lambda proposal: simulate(proposal, noise))
 
 
@@ -82,8 +85,8 @@ def half_widths(found: Mapping[str, tuple[float, float]], search: Search) -> dic
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_wanted_half_width_is_reached_and_the_interval_holds_the_truth(seed: int) -> None:
     problem = ridge()
-    usual, few = calibrated(Sequential(), problem, seed)
-    search, runs = calibrated(Sequential(wanted_half_width="28 %"), problem, seed)
+    usual, few = calibrated(None, seed)
+    search, runs = calibrated("28 %", seed)
     before = half_widths(intervals(problem, few, usual), usual)
     found = intervals(problem, runs, search)
     after = half_widths(found, search)
@@ -100,16 +103,15 @@ def test_a_wanted_half_width_is_reached_and_the_interval_holds_the_truth(seed: i
 
 
 def test_it_begins_as_the_search_without_the_option() -> None:
-    _, few = calibrated(Sequential(), ridge(), 1)
-    _, runs = calibrated(Sequential(wanted_half_width=0.28), ridge(), 1)
+    _, few = calibrated()
+    _, runs = calibrated("28 %")
 
     assert runs[: len(few)] == few
 
 
 def test_where_the_measurements_limit_the_intervals_it_stops_and_says_so() -> None:
-    problem = ridge(uncertainty=1.0)
-    _, few = calibrated(Sequential(), problem, 1, noise=0.2)
-    search, runs = calibrated(Sequential(wanted_half_width="20 %"), problem, 1, noise=0.2)
+    _, few = calibrated(noise=0.2, uncertainty=1.0)
+    search, runs = calibrated("20 %", noise=0.2, uncertainty=1.0)
 
     assert len(runs) <= len(few) + 2
     [notice] = search.notices
@@ -129,15 +131,15 @@ def test_where_the_budget_ends_it_the_notice_says_what_more_runs_would_bring() -
 
 
 def test_a_half_width_that_is_reached_already_costs_no_run() -> None:
-    _, few = calibrated(Sequential(), ridge(), 1, noise=0.2)
-    _, runs = calibrated(Sequential(wanted_half_width="100 %"), ridge(), 1, noise=0.2)
+    _, few = calibrated(noise=0.2)
+    _, runs = calibrated("100 %", noise=0.2)
 
     assert runs == few
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_half_widths_that_are_stated_are_those_of_the_report(seed: int) -> None:
-    search, runs = calibrated(Sequential(wanted_half_width="30 %"), ridge(), seed)
+    search, runs = calibrated("30 %", seed)
     reported = half_widths(intervals(ridge(), runs, search), search)
 
     stated = {n: float(w) / 100 for w, n in re.findall(r"±(\S+) % for (\w+)", search.notices[0])}
@@ -238,7 +240,7 @@ def test_of_two_tests_it_runs_the_one_whose_metamodel_limits_the_intervals() -> 
 
 
 def test_no_more_runs_are_started_than_are_needed_at_most() -> None:
-    alone = converse(Sequential(wanted_half_width="28 %").start(ridge(), 1), simulate)
+    _, alone = calibrated("28 %")
     search = Sequential(wanted_half_width="28 %").start(ridge(), 1, 80)
     for evaluation in alone[:-3]:
         assert search.ask() == evaluation.proposal
@@ -252,7 +254,7 @@ def test_no_more_runs_are_started_than_are_needed_at_most() -> None:
 
 
 def test_several_runs_at_a_time_come_to_the_same_end() -> None:
-    alone = converse(Sequential(wanted_half_width="28 %").start(ridge(), 1), simulate)
+    _, alone = calibrated("28 %")
     search = Sequential(wanted_half_width="28 %").start(ridge(), 1)
     runs = converse(search, simulate, workers=3)
 

@@ -19,7 +19,9 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import FrozenInstanceError, asdict, fields, replace
+from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -174,6 +176,11 @@ class StrategyContract:
         """Return the function that starts a search: ``make(problem, seed, max_evaluations)``."""
         return strategy.start
 
+    @pytest.fixture
+    def finished(self, strategy: Strategy) -> Search:
+        """Return a search that has finished with hardly any noise: a copy for each test."""
+        return deepcopy(_finished(strategy)[0])
+
     # Options ---------------------------------------------------------------------------------
 
     def test_options_are_plain_frozen_data(self, strategy: Strategy) -> None:
@@ -249,11 +256,12 @@ class StrategyContract:
 
     # The same again --------------------------------------------------------------------------
 
-    def test_told_the_same_it_asks_the_same(self, make: Make) -> None:
-        first, second = make(heap_problem(), 5), make(heap_problem(), 5)
+    def test_told_the_same_it_asks_the_same(self, strategy: Strategy, make: Make) -> None:
+        first, evaluations = _finished(strategy)
+        second = make(heap_problem(), 1)
 
-        assert converse(first, nearly_quiet) == converse(second, nearly_quiet)
-        assert first.answer() == second.answer()
+        assert converse(second, nearly_quiet) == evaluations
+        assert second.answer() == first.answer()
 
     def test_another_seed_asks_for_other_runs(self, make: Make) -> None:
         first, second = make(heap_problem(), 5), make(heap_problem(), 6)
@@ -290,11 +298,12 @@ class StrategyContract:
 
     # Warm starts -----------------------------------------------------------------------------
 
-    def test_it_learns_from_runs_of_others(self, make: Make) -> None:
+    def test_it_learns_from_runs_of_others(self, strategy: Strategy, make: Make) -> None:
         earlier = converse(make(heap_problem(angle=20.0), 8), heap)
-        cold, warm = make(heap_problem(), 5), make(heap_problem(), 5)
+        cold, whole = _finished(strategy, 5, 1.0)
+        warm = make(heap_problem(), 5)
         warm.warm_start(earlier)
-        whole, rest = converse(cold, heap), converse(warm, heap)
+        rest = converse(warm, heap)
 
         assert len(rest) <= len(whole)
         for search in (cold, warm):
@@ -302,9 +311,11 @@ class StrategyContract:
         quality = warm.answer().quality["angle"]
         assert 0.2 * NOISE["angle"] < quality.noise < 3 * NOISE["angle"]
 
-    def test_a_run_that_is_taken_and_asked_for_counts_once(self, make: Make) -> None:
-        search, other = make(heap_problem(), 5), make(heap_problem(), 5)
-        evaluations = converse(search, heap)
+    def test_a_run_that_is_taken_and_asked_for_counts_once(
+        self, strategy: Strategy, make: Make
+    ) -> None:
+        search, evaluations = _finished(strategy, 5, 1.0)
+        other = make(heap_problem(), 5)
         before = search.answer()
         other.warm_start(evaluations)
         for evaluation in evaluations:
@@ -314,10 +325,10 @@ class StrategyContract:
 
     # Proposals -------------------------------------------------------------------------------
 
-    def test_proposals_are_new_runs_within_the_intervals(self, make: Make) -> None:
+    def test_proposals_are_new_runs_within_the_intervals(self, strategy: Strategy) -> None:
         problem = heap_problem()
-        search = make(problem, 1)
-        proposals = [e.proposal for e in converse(search, nearly_quiet)]
+        search, evaluations = _finished(strategy)
+        proposals = [evaluation.proposal for evaluation in evaluations]
 
         assert [p.stage for p in proposals[: search.design_runs]].count("design") == (
             search.design_runs
@@ -455,50 +466,51 @@ class StrategyContract:
 
     # Verification ----------------------------------------------------------------------------
 
-    def test_verification_runs_are_knowledge(self, make: Make) -> None:
-        search = make(heap_problem(), 1)
-        converse(search, nearly_quiet)
-        answer = search.answer()
-        _verify(search, 1.0)
-        again = search.answer(answer.parameters)
+    def test_verification_runs_are_knowledge(self, finished: Search) -> None:
+        answer = finished.answer()
+        _verify(finished, 1.0)
+        again = finished.answer(answer.parameters)
 
         assert again.predicted["angle"] > answer.predicted["angle"] + 0.1
 
     @pytest.mark.parametrize("affordable", [0, 3, 10])
     def test_after_a_verification_it_asks_for_no_more_than_is_affordable(
-        self, make: Make, affordable: int
+        self, finished: Search, affordable: int
     ) -> None:
-        search = make(heap_problem(), 1)
-        converse(search, nearly_quiet)
-        _verify(search, 2.0)
-        goes_on = search.resume_after_verification(affordable)
-        more = converse(search, nearly_quiet)
+        _verify(finished, 2.0)
+        goes_on = finished.resume_after_verification(affordable)
+        more = converse(finished, nearly_quiet)
 
         assert len(more) <= affordable
         assert goes_on or not more
         if affordable == 10:
             assert more, "the verification was far off, and there is budget to do something"
 
-    def test_without_budget_it_does_not_go_on(self, make: Make) -> None:
-        search = make(heap_problem(), 1)
-        converse(search, nearly_quiet)
-        _verify(search, 2.0)
+    def test_without_budget_it_does_not_go_on(self, finished: Search) -> None:
+        _verify(finished, 2.0)
 
-        assert search.resume_after_verification(affordable=-1) is False
-        assert search.finished
+        assert finished.resume_after_verification(affordable=-1) is False
+        assert finished.finished
 
-    def test_verifications_that_stay_off_come_to_an_end(self, make: Make) -> None:
-        search = make(heap_problem(), 1)
-        converse(search, nearly_quiet)
+    def test_verifications_that_stay_off_come_to_an_end(self, finished: Search) -> None:
         for number in range(10):
-            _verify(search, 2.0, number)
-            if not search.resume_after_verification(affordable=4):
+            _verify(finished, 2.0, number)
+            if not finished.resume_after_verification(affordable=4):
                 break
-            converse(search, nearly_quiet)
+            converse(finished, nearly_quiet)
         else:
             pytest.fail("the search never ends")
 
-        assert search.finished
+        assert finished.finished
+
+
+@cache
+def _finished(
+    strategy: Strategy, seed: int = 1, noise: float = 0.1
+) -> tuple[Search, list[Evaluation]]:
+    """Return a finished search that several tests look at, and its evaluations."""
+    search = strategy.start(heap_problem(), seed)
+    return search, converse(search, lambda proposal: heap(proposal, noise))
 
 
 def _asked(search: Search) -> Proposal:
