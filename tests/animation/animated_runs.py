@@ -21,7 +21,7 @@ from grainfit.scenes.run_output import STAGES, STAGES_HEADER, RunOutput
 from grainfit.scenes.scene import Rotation, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Plane
 from grainfit.testing.materials import GLASS_BEADS
-from grainfit.testing.scene_contract import scene_of, spheres
+from grainfit.testing.simulated_scenes import scene_of, spheres
 
 BEADS = """\
 name = "few beads"

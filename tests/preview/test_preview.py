@@ -33,7 +33,7 @@ from grainfit.scenes.scene import Box, Load, Rotation, Scene, Stage, Velocity, W
 from grainfit.scenes.shapes import Block, Cylinder, Plane
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.materials import GLASS_BEADS
-from grainfit.testing.scene_contract import spheres
+from grainfit.testing.simulated_scenes import spheres
 
 BLADE = Path(__file__).parents[2] / "examples" / "blade" / "calibration.toml"
 BOX = Box((-0.1, -0.1, -0.05), (0.12, 0.1, 0.2))

@@ -16,7 +16,7 @@ from grainfit.scenes.run_output import STAGES, STAGES_HEADER, RunOutput, series_
 from grainfit.scenes.scene import Load, Rotation, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Cylinder, Plane
 from grainfit.scenes.wall_travels import stage_spans, wall_travels
-from grainfit.testing.scene_contract import scene_of, spheres
+from grainfit.testing.simulated_scenes import scene_of, spheres
 
 
 def frame(step: int, rows: list[str], columns: str = "id type x y z radius mass") -> str:

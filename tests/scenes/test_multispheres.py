@@ -23,7 +23,7 @@ from grainfit.solvers.dem.liggghts.multispheres import INSERTION
 from grainfit.solvers.dem.liggghts.scene_deck import LiggghtsSceneDeck
 from grainfit.testing.clump_contract import PAIR, PIN, clumps
 from grainfit.testing.glued_contract import glued
-from grainfit.testing.scene_contract import FLOOR, MASS, RADIUS, scene_of, settle, spheres
+from grainfit.testing.simulated_scenes import FLOOR, MASS, RADIUS, scene_of, settle, spheres
 
 
 def written(scene: Scene, folder: Path) -> dict[str, str]:

@@ -15,7 +15,7 @@ from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, S
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Cylinder, Plane
 from grainfit.scenes.triangles import triangles_of
-from grainfit.testing.scene_contract import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
+from grainfit.testing.simulated_scenes import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
 
 FLOOR = Wall(Plane("z", 0.0))
 LIFT = Velocity("z", 1.0)

@@ -20,10 +20,10 @@ from grainfit.solvers.dem.yade.program import Yade
 from grainfit.testing.clump_contract import ClumpContract
 from grainfit.testing.glued_contract import GluedContract
 from grainfit.testing.impact_contract import ImpactContract
-from grainfit.testing.scene_contract import (
+from grainfit.testing.scene_contract import SceneContract
+from grainfit.testing.simulated_scenes import (
     FLOOR,
     RADIUS,
-    SceneContract,
     frames,
     scene_of,
     spheres,

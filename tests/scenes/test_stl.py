@@ -25,7 +25,7 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.materials import GLASS_BEADS
-from grainfit.testing.scene_contract import DAMPED, RADIUS, SIZES, resting_overlap, spheres
+from grainfit.testing.simulated_scenes import DAMPED, RADIUS, SIZES, resting_overlap, spheres
 
 BOX = Box((-0.1, -0.1, -0.1), (0.1, 0.1, 0.2))
 TABLE = Block((-0.05, -0.04, -0.05), (0.05, 0.04, 0.02))

@@ -41,7 +41,7 @@ from grainfit.scenes.scene import Box, Stage, Wall, time_step
 from grainfit.scenes.shapes import Cylinder
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.testing.glued_contract import glued
-from grainfit.testing.scene_contract import (
+from grainfit.testing.simulated_scenes import (
     BOX,
     DAMPED,
     ELASTIC,

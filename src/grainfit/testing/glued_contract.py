@@ -36,7 +36,7 @@ from grainfit.scenes.records import (
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import Plane
-from grainfit.testing.scene_contract import (
+from grainfit.testing.simulated_scenes import (
     DAMPED,
     ELASTIC,
     FLOOR,

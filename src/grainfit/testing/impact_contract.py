@@ -33,7 +33,7 @@ from grainfit.scenes.packing import Column
 from grainfit.scenes.records import KineticEnergy, Series
 from grainfit.scenes.scene import Box, Scene, Stage, Wall, time_step
 from grainfit.scenes.shapes import Plane
-from grainfit.testing.scene_contract import Run, SimulatedScenes, final_velocities, material
+from grainfit.testing.simulated_scenes import Run, SimulatedScenes, final_velocities, material
 
 #: Young's modulus, Pa; Poisson's ratio; density, kg/m^3.
 GLASS = (48e9, 0.20, 2800.0)
