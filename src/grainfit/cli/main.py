@@ -15,6 +15,7 @@ from grainfit.cli.app import app
 from grainfit.cli.console import print_error
 from grainfit.cli.consoles import err
 from grainfit.cli.documents import error_document, json_is_wanted, print_document
+from grainfit.cli.encoding import lose_no_output
 from grainfit.cli.exit_codes import BAD_INPUT, INTERRUPTED
 from grainfit.cli.interruption import interruption
 from grainfit.errors import GrainfitError
@@ -26,6 +27,7 @@ _WRONG_USAGE: Any = typer.BadParameter.__base__
 def main() -> None:
     """Run the command line and exit with its code."""
     interruption.listen()
+    lose_no_output()
     code = _with_json() if json_is_wanted() else _with_text()
     # A reader may be gone, such as a pager; the exit code is not.
     with suppress(OSError):
