@@ -61,6 +61,17 @@ def test_text_and_binary_files_have_the_same_triangles(table: Path, tmp_path: Pa
     assert not open_.is_closed
 
 
+def test_text_files_mean_the_same_however_they_are_written(table: Path, tmp_path: Path) -> None:
+    triangles = read_stl(table).triangles
+    text = table.read_text()
+    long = re.sub(r"(?<=vertex )(\S+)", lambda x: f"{float(x[1]):.40f}e000", text)
+    assert long != text
+    for number, content in enumerate((text.upper(), "\ufeff" + text, long)):
+        file = tmp_path / f"{number}.stl"
+        file.write_text(content, encoding="utf-8", newline="\r\n")
+        np.testing.assert_array_equal(read_stl(file).triangles, triangles)
+
+
 def test_triangles_without_an_area_are_left_out(tmp_path: Path) -> None:
     good = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=float)
     needle = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]], dtype=float)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +25,8 @@ from grainfit.scenes.shapes import Mesh, Shape
 MOST_TRIANGLES = 200_000
 _HEADER, _RECORD = 84, 50
 _RECORD_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.MULTILINE)
+_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.MULTILINE | re.IGNORECASE)
+_END = re.compile(rb"\bendfacet\b", re.IGNORECASE)
 #: Corners nearer than this are one, over the size of the mesh.
 _SAME = 1e-6
 #: Distance from a periodic side that counts as none, over the period.
@@ -116,7 +119,8 @@ def _binary(path: Path, content: bytes) -> Triangles | None:
         if len(content) == _HEADER + _RECORD * count:
             records = np.frombuffer(content, _RECORD_TYPE, count, _HEADER)
             return records["corners"].astype(np.float64)
-    if content.lstrip()[:5].lower() == b"solid" and b"facet" in content:
+    start = content.removeprefix(BOM_UTF8).lstrip()[:5]
+    if start.lower() == b"solid" and b"facet" in content.lower():
         return None
     if len(content) < _HEADER:
         raise _error(path, messages.MESH_NO_STL)
@@ -125,10 +129,11 @@ def _binary(path: Path, content: bytes) -> Triangles | None:
 
 def _text(path: Path, content: bytes) -> Triangles:
     found = _VERTEX.findall(content)
-    if len(found) % 3 or len(found) != 3 * len(re.findall(rb"\bendfacet\b", content)):
+    if len(found) % 3 or len(found) != 3 * len(_END.findall(content)):
         raise _error(path, messages.MESH_DAMAGED)
     try:
-        return np.array(found, dtype="S32").astype(np.float64).reshape(-1, 3, 3)
+        numbers = np.fromiter(map(float, chain.from_iterable(found)), np.float64, 3 * len(found))
+        return numbers.reshape(-1, 3, 3)
     except ValueError:
         raise _error(path, messages.MESH_CORNERS) from None
 
