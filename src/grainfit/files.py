@@ -8,6 +8,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
 #: Largest files that are read, bytes. A file of the wrong name must not fill the memory.
 LARGEST_CALIBRATION_FILE = 1_000_000
@@ -52,15 +53,38 @@ class TooLargeError(OSError):
     """A file is larger than what is read of its kind."""
 
 
-def read_within(path: Path, largest: int) -> bytes:
+def is_irregular(path: Path) -> bool:
+    """Return True for a pipe, a socket or a device, which may keep a reader waiting."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """Open a file for reading; nothing that may keep a reader waiting.
+
+    Raises
+    ------
+    OSError
+        It cannot be opened, or is a pipe, a socket or a device.
+    """
+    # A pipe would be opened only when somebody writes to it.
+    file = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
+    if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        return file
+    file.close()
+    raise OSError(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+
+
+def read_within(path: Path, largest: int, *, waiting: bool = False) -> bytes:
     """Return the contents of a file that is not larger than a limit.
 
     Parameters
     ----------
     path : Path
-        The file; it may grow while it is read, or have no size, as a pipe does.
+        The file; it may grow while it is read.
     largest : int
         Largest size, bytes: one of the limits of this module.
+    waiting : bool, optional
+        Read a pipe as well, whose writer is waited for: a file that the user names.
 
     Raises
     ------
@@ -69,7 +93,7 @@ def read_within(path: Path, largest: int) -> bytes:
     OSError
         It cannot be read.
     """
-    with path.open("rb") as file:
+    with path.open("rb") if waiting else open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
         # Python reserves memory for as much as is asked for.
         content = file.read(size + 1) if size <= largest else b""
@@ -146,7 +170,7 @@ def line_of(error: UnicodeDecodeError) -> int:
 def text_of(path: Path) -> str:
     """Return the end of a log, or an empty text when there is none."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return end_of_file(file.fileno())
     except OSError:
         return ""

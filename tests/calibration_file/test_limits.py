@@ -198,7 +198,7 @@ def test_a_file_that_grows_is_read_up_to_its_limit() -> None:
     if not endless.exists():
         pytest.skip("there is no /dev/zero")
     with pytest.raises(TooLargeError, match="it is too long, and at most 20 MB are read"):
-        read_within(endless, LARGEST_TABLE)
+        read_within(endless, LARGEST_TABLE, waiting=True)
 
 
 @pytest.mark.usefixtures("little_memory")
@@ -208,14 +208,21 @@ def test_a_small_file_takes_little_memory_whatever_its_limit(tmp_path: Path) -> 
     assert read_within(path, LARGEST_RUN_OUTPUT) == b"12345"
 
 
-def test_a_pipe_is_read_to_its_end(tmp_path: Path) -> None:
+def test_a_pipe_that_the_user_names_is_read_to_its_end(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     content = b"runs" * 1_000_000
     writer = threading.Thread(target=lambda: pipe.write_bytes(content), daemon=True)
     writer.start()
-    assert read_within(pipe, LARGEST_TABLE) == content
+    assert read_within(pipe, LARGEST_TABLE, waiting=True) == content
     writer.join(timeout=10)
+
+
+def test_nobody_waits_for_a_pipe_in_place_of_a_file(tmp_path: Path) -> None:
+    pipe = tmp_path / "responses.json"
+    os.mkfifo(pipe)
+    with pytest.raises(OSError, match="pipe"):
+        read_within(pipe, LARGEST_TABLE)
 
 
 def test_a_file_of_the_largest_size_is_read(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,8 +14,11 @@ from pathlib import Path
 
 import pytest
 
+import grainfit as gf
 from grainfit.campaign import messages
 from grainfit.campaign.folder_lock import hold, is_held
+from grainfit.campaign.store.store import RunStore
+from grainfit.errors import StoreError
 
 HOLD = """
 import sys
@@ -122,6 +126,18 @@ def test_second_start_on_another_machine_is_refused_where_locks_are_apart(start:
     first.wait()
     heir = start(*program, locks="apart", host="login2")
     assert read_line(heir) == "held"
+
+
+@pytest.mark.parametrize("name", ["runs.sqlite", "runs.sqlite-wal", "lock", "result.json"])
+def test_a_pipe_in_place_of_a_file_is_named_and_not_waited_for(name: str, tmp_path: Path) -> None:
+    RunStore.in_folder(tmp_path).close()
+    (tmp_path / name).unlink(missing_ok=True)
+    os.mkfifo(tmp_path / name)
+    found = messages.NOT_A_FILE(path=str(tmp_path / name))
+    with pytest.raises(StoreError, match=re.escape(found)):
+        gf.open(tmp_path)
+    with pytest.raises(StoreError, match=re.escape(found)), hold(tmp_path):
+        pass
 
 
 def read_line(process: subprocess.Popen[str]) -> str:

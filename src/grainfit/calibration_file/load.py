@@ -70,7 +70,7 @@ def _read_text(path: Path) -> str:
             raise _fault(path, "is a folder.", "Name the calibration file in it.")
         if not path.is_file():
             raise _fault(path, "there is no such file.", '"grainfit new" writes a first one.')
-        data = read_within(path, LARGEST_CALIBRATION_FILE)
+        data = read_within(path, LARGEST_CALIBRATION_FILE, waiting=True)
     except TooLargeError:
         raise _fault(path, "is larger than 1 MB.", "Is it a calibration file?") from None
     except (OSError, ValueError) as error:

@@ -23,6 +23,7 @@ from typing import TextIO
 
 from grainfit.campaign import messages
 from grainfit.errors import StoreError
+from grainfit.files import is_irregular
 
 #: `is_held` takes the lock for a moment; `hold` waits that long before it refuses.
 _LOCK_SECONDS = 1.0
@@ -59,6 +60,7 @@ def hold(folder: Path) -> Iterator[None]:
     path = folder / "lock"
     try:
         (folder / "runs").mkdir(parents=True, exist_ok=True)
+        require_files(folder)
         file = path.open("a+", encoding="utf-8")
     except OSError as error:
         text = messages.FOLDER_UNUSABLE(folder=str(folder), reason=error.strerror)
@@ -76,6 +78,16 @@ def hold(folder: Path) -> Iterator[None]:
                 yield
         finally:
             _held.discard(file)
+
+
+def require_files(folder: Path) -> None:
+    """Raise `StoreError` where a pipe, a socket or a device stands in place of a file.
+
+    Whoever reads it would wait for somebody to write to it.
+    """
+    for path in sorted(folder.iterdir()):
+        if is_irregular(path):
+            raise StoreError(messages.NOT_A_FILE(path=str(path)))
 
 
 def is_held(folder: Path) -> bool:

@@ -32,6 +32,7 @@ NOTHING_IN_COMMON = Message(
 FOLDER_UNUSABLE = Message(
     "the work folder {folder!r} cannot be used: {reason}.", "Choose another with --workdir."
 )
+NOT_A_FILE = Message("{path!r} is a pipe, a socket or a device, not a file.", "Remove it.")
 FOLDER_IN_USE = Message(
     "the work folder {folder!r} is in use by process {process}.",
     "Wait for it to end, or choose another folder with --workdir.",

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.errors import NotMeasurableError
+from grainfit.files import open_regular
 from grainfit.scenes import messages
 from grainfit.scenes.scene import Scene
 
@@ -104,7 +105,7 @@ class Film:
         NotMeasurableError
             One is damaged.
         """
-        with self.path.open("rb") as file:
+        with open_regular(self.path) as file:
             return [self._read(file, *self._places[number]) for number in numbers]
 
     def _read(self, file: BinaryIO, step: int, start: int, end: int) -> FilmFrame:
@@ -119,7 +120,10 @@ class Film:
 
 def _places(path: Path) -> list[tuple[int, int, int]]:
     try:
-        with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as text:
+        with (
+            open_regular(path) as file,
+            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as text,
+        ):
             found = [(int(m[1]), int(m[2]), m.start()) for m in _FRAME.finditer(text)]
             ends = [start for _, _, start in found[1:]]
             if found:

@@ -101,7 +101,7 @@ def _text(path: Path, largest: int) -> str:
         # A named pipe would keep the program waiting.
         if not stat.S_ISREG(path.stat().st_mode) and not path.is_dir():
             raise InputError(messages.NO_REGULAR_FILE.fault(""), str(path))
-        return _decoded(read_within(path, largest), path)
+        return _decoded(read_within(path, largest, waiting=True), path)
     except OSError as error:
         raise _unreadable(path, error.strerror or str(error)) from error
     except ValueError as error:

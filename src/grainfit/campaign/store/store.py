@@ -26,6 +26,7 @@ from sqlalchemy.exc import (
 from sqlalchemy.pool import StaticPool
 
 from grainfit.campaign import messages
+from grainfit.campaign.folder_lock import require_files
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.address import StoreAddress, safe_address
 from grainfit.campaign.store.causes import remedy
@@ -643,6 +644,8 @@ def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
 
 def _path(folder: Path) -> Path:
     path = folder / STORE_NAME
+    if folder.is_dir():
+        require_files(folder)
     if path.is_dir():
         raise StoreError(messages.STORE_IS_FOLDER(store=path, remedy=_RENEW))
     return path

@@ -23,6 +23,7 @@ from grainfit.evaluation import (
     response_name,
     scalars,
 )
+from grainfit.files import read_within
 from grainfit.measurement.particles import Particles
 from grainfit.problem import Problem
 from grainfit.scenes.run_output import RunOutput
@@ -162,9 +163,7 @@ def picture(run: ShownRun) -> str | None:
     """Return the kept picture of a run, as the address of an image in a page."""
     path = run.folder / run.shown.picture
     try:
-        if path.stat().st_size > _LARGEST_PICTURE:
-            return None
-        content = path.read_bytes()
+        content = read_within(path, _LARGEST_PICTURE)
     except OSError:
         return None
     if not content.startswith(_PNG):
