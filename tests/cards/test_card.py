@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 import grainfit
 from grainfit.bulk_tests.heap import Heap
 from grainfit.cards import FORMATS, MaterialCard, material_card, messages, render, write_card
+from grainfit.cli import messages as cli_messages
 from grainfit.cli.app import app
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError, StoreError
@@ -487,14 +488,16 @@ def test_export_prints_a_card_with_intervals(calibrated_drum: Path) -> None:
     assert DRUM.intervals["Kohäsion"][0] < low < 4.2e4 < high < DRUM.intervals["Kohäsion"][1]
 
 
-def test_export_writes_a_file_in_place_of_an_old_one_and_says_what_it_is(
+def test_export_replaces_a_file_when_asked_and_says_what_it_is(
     unreachable_drum: Path, tmp_path: Path
 ) -> None:
     file = tmp_path / "card.csv"
     file.write_text("of yesterday")
-    done = CliRunner().invoke(
-        app, ["export", str(unreachable_drum), "--to", "csv", "-o", str(file)]
-    )
+    command = ["export", str(unreachable_drum), "--to", "csv", "-o", str(file)]
+    refused = CliRunner().invoke(app, command)
+    assert cli_messages.NOT_REPLACED.is_in(str(refused.exception))
+    assert file.read_text() == "of yesterday"
+    done = CliRunner().invoke(app, [*command, "--force"])
     assert (done.exit_code, done.stdout) == (0, "")
     assert "card.csv" in done.stderr
     assert "NOT CALIBRATED: out of reach" in done.stderr

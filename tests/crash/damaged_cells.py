@@ -141,7 +141,7 @@ def _read_result(folder: Path) -> None:
 READING: Mapping[str, Callable[[Path], None]] = {
     "status": _command("status", "{}"),
     "runs list": _command("runs", "list", "{}"),
-    "runs export": _command("runs", "export", "{}", "{}/runs.csv"),
+    "runs export": _command("runs", "export", "{}", "{}/runs.csv", "--force"),
     "open": _summarise,
     "result": _read_result,
 }

@@ -7,8 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
+from grainfit.cli import messages
 from grainfit.cli.completion import complete_setting
 from grainfit.cli.help_texts import WORK_FOLDER, shown_default
+from grainfit.errors import InputError
 
 CalibrationPath = Annotated[
     Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
@@ -48,6 +50,20 @@ def settings_option(text: str) -> Any:
 def output_option(metavar: str, text: str) -> Any:
     """Return the option of the file that a command writes."""
     return typer.Option("--output", "-o", metavar=metavar, help=text)
+
+
+Force = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
+
+
+def require_free(path: Path | None, *, force: bool) -> None:
+    """Raise `InputError` where a command would replace a file without being asked to.
+
+    Pages are made again and again; a pipe or a device is written to, not replaced.
+    """
+    if path is None or force or path.suffix in (".html", ".png"):
+        return
+    if path.is_file():
+        raise InputError(messages.NOT_REPLACED.fault("", file=str(path)))
 
 
 def open_in_browser(path: Path) -> None:

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from grainfit.cli.consoles import err, err_remarks
 from grainfit.cli.help_texts import shown_default
-from grainfit.cli.options import WorkFolder, output_option
+from grainfit.cli.options import Force, WorkFolder, output_option, require_free
 
 _OUTPUT = f"Where to write it. {shown_default('standard output')}"
 
@@ -27,12 +27,14 @@ def export(
         ),
     ],
     output: Annotated[Path | None, output_option("FILE", _OUTPUT)] = None,
+    force: Force = False,
 ) -> None:
     """Write a material card: calibrated and given values, how sure they are, and their origin."""
     from grainfit.cards import material_card, require_format, write_card
     from grainfit.formatting import plain
 
     render = require_format(to)
+    require_free(output, force=force)
     card = material_card(folder)
     text = render(card)
     if output is None or str(output) == "-":

@@ -12,7 +12,14 @@ from grainfit.cli import console as show
 from grainfit.cli import messages
 from grainfit.cli.consoles import err, err_remarks, out_remarks
 from grainfit.cli.interruption import interruption
-from grainfit.cli.options import OpenAfterwards, WorkFolder, open_in_browser, output_option
+from grainfit.cli.options import (
+    Force,
+    OpenAfterwards,
+    WorkFolder,
+    open_in_browser,
+    output_option,
+    require_free,
+)
 from grainfit.errors import RunFailedError
 
 _OUTPUT = "Where to write it, if not to report.html in DIR."
@@ -22,6 +29,7 @@ def report(
     workdir: WorkFolder,
     output: Annotated[Path | None, output_option("FILE", _OUTPUT)] = None,
     open_it: OpenAfterwards = False,
+    force: Force = False,
 ) -> None:
     """Write the report of a calibration, also while it is running.
 
@@ -31,6 +39,7 @@ def report(
 
     'grainfit run' writes it at its end; this command writes it at any time.
     """
+    require_free(output, force=force)
     path = _write(workdir, output)
     if open_it:
         open_in_browser(path)

@@ -12,7 +12,13 @@ from grainfit.cli.completion import complete_run
 from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
 from grainfit.cli.help_texts import shown_default
-from grainfit.cli.options import CalibrationPath, WorkFolder, workdir_option
+from grainfit.cli.options import (
+    CalibrationPath,
+    Force,
+    WorkFolder,
+    require_free,
+    workdir_option,
+)
 from grainfit.cli.verbosity import CommandLine
 from grainfit.errors import InputError, StoreError
 
@@ -124,12 +130,14 @@ def export(
     test: Test = None,
     where: Where = None,
     sort: Sort = "ended",
+    force: Force = False,
 ) -> None:
     """Write a line for each run to a CSV or Parquet file, in SI units, angles in degrees."""
     from grainfit.formatting import counted
     from grainfit.work_folder.run_export import export_runs, writer_for
 
     writer_for(file)
+    require_free(file, force=force)
     _, selected = _selected(source, status, test, where, sort)
     export_runs(file, selected)
     words = counted(len(selected), "run")
