@@ -40,7 +40,9 @@ def responses(point: Array, seed: int) -> dict[str, float]:
     slopes = np.random.default_rng(1).normal(size=(RESPONSES, len(point)))
     slopes *= np.exp(-np.arange(len(point)) / 4)
     centred = point - 0.5
-    curved = [2 * centred[0] * centred[1], 2 * centred[2] ** 2, np.sin(3 * point[3]) / 2]
+    # Of few parameters, one stands for several.
+    first, second, third, fourth = np.resize(centred, 4)
+    curved = [2 * first * second, 2 * third**2, np.sin(3 * (fourth + 0.5)) / 2]
     noise = SCATTER * np.random.default_rng(seed).normal(size=RESPONSES)
     values = 10.3 + slopes @ centred + curved + noise
     return {f"r{number}": float(value) for number, value in enumerate(values)}

@@ -65,6 +65,20 @@ def test_status_of_a_calibration_at_work_sees_its_latest_run_and_changes_no_file
         assert read_status(tmp_path).kept == 2
 
 
+@pytest.mark.parametrize(("about", "running"), [({}, 1), ({"workers": 2}, 2), ({"workers": 9}, 3)])
+def test_no_more_runs_are_running_than_there_are_workers(
+    about: dict[str, int], running: int, tmp_path: Path
+) -> None:
+    with hold(tmp_path):
+        store = RunStore.in_folder(tmp_path)
+        store.begin_calibration("c", "beads", {}, about=about)
+        for name in ("one", "two", "three"):
+            store.save(RunRecord(name, "heap", "running", RunDefinition({}, {}, 1)))
+        assert read_status(tmp_path).running == running
+    # Nothing runs where the process has died.
+    assert read_status(tmp_path).running == 0
+
+
 def test_status_of_a_killed_calibration_sees_its_latest_run_and_changes_no_file(
     tmp_path: Path,
 ) -> None:

@@ -5,7 +5,7 @@ Imports no NumPy: `grainfit status` starts with it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,6 +56,27 @@ class OpenFolder:
         if self.is_held and self.calibration.status == "running":
             return "running"
         return "interrupted" if self.calibration.status == "running" else self.calibration.status
+
+    @property
+    def workers(self) -> int:
+        """Runs at a time; 1 where that is not recorded."""
+        return int(self.calibration.about.get("workers", 1)) if self.calibration else 1
+
+    @property
+    def failure(self) -> str:
+        """What stopped it; empty while it is running."""
+        if self.calibration is None or self.state == "running":
+            return ""
+        return str(self.calibration.about.get("failure", ""))
+
+    def running(self, statuses: Iterable[str]) -> int:
+        """Return how many of the runs with these statuses are under way.
+
+        A run is stored before a worker begins with it: those beyond the workers wait.
+        """
+        if self.state != "running":
+            return 0
+        return min(sum(status == "running" for status in statuses), self.workers)
 
     def warm_start_requests(self) -> list[RequestRecord]:
         """Return the parameter sets of other calibrations that it started from.

@@ -241,7 +241,6 @@ def _saved(
     tests = len(names_of_tests(definition["tests"]))
     evaluations = tuple(_evaluation(request, records, tests) for request in ended)
     used = {run for request in ended for run in request.runs.values()}
-    running = state == "running"
     problem = _problem(definition, about, evaluations)
     provenance = Provenance.from_json(about.get("provenance", {}))
     result, fault = opened.read_result()
@@ -263,7 +262,7 @@ def _saved(
         warm_start=tuple(
             _evaluation(run, records, tests) for run in warm_start if _has_ended(run, records)
         ),
-        running=sum(r.status == "running" for r in records.values()) if running else 0,
+        running=opened.running(record.status for record in records.values()),
         records={identity: record for identity, record in records.items() if identity in used},
         result=result,
         result_fault=fault,
@@ -272,7 +271,7 @@ def _saved(
         source=provenance.file,
         source_text=provenance.text,
         version=str(about.get("version", "")),
-        workers=int(about.get("workers", 1)),
+        workers=opened.workers,
         started=calibration.started,
         max_runs=about.get("max_runs"),
         failure=str(about.get("failure", "")),

@@ -75,19 +75,18 @@ def read_status(folder: Path) -> WorkdirStatus:
     calibration, requests = opened.calibration, opened.requests
     if calibration is not None:
         failed += failed_if_incomplete(incomplete, requests, calibration.definition).values()
-    running = opened.state == "running"
     result, fault = opened.read_result()
     return WorkdirStatus(
         name=calibration.name if calibration else "",
         state=opened.state,
         finished=_by_stage(requests, states, ("finished", "failed")),
         asked=_by_stage(requests, None, ()),
-        running=sum(state == "running" for state in states.values()) if running else 0,
+        running=opened.running(states.values()),
         failed=tuple(_failures(folder, requests, failed)),
         kept=sum(state == "finished" for state in states.values()),
         result=result,
         result_fault=fault,
-        failure=str(calibration.about.get("failure", "")) if calibration and not running else "",
+        failure=opened.failure,
     )
 
 
