@@ -15,13 +15,7 @@ from grainfit.campaign.store.store import STORE_NAME
 from grainfit.errors import StoreError
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.status import read_status
-from tests.crash.damaged_cells import (
-    READING,
-    USES,
-    complaints,
-    damage_cell,
-    finished_calibration,
-)
+from tests.crash.damaged_cells import READING, USES, complaints, damage_cell, finished_calibration
 
 
 @pytest.fixture(scope="module")

@@ -4,12 +4,7 @@ import pytest
 from programs import contacts
 
 from grainfit.contact_models.registry import CONTACT_MODELS
-from grainfit.testing.cohesion_contract import (
-    DmtContract,
-    JkrContract,
-    Sjkr2Contract,
-    SjkrContract,
-)
+from grainfit.testing.cohesion_contract import DmtContract, JkrContract, Sjkr2Contract, SjkrContract
 from grainfit.testing.contact_model_contract import (
     Epsd2Contract,
     EpsdContract,

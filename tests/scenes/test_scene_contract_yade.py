@@ -21,13 +21,7 @@ from grainfit.testing.clump_contract import ClumpContract
 from grainfit.testing.glued_contract import GluedContract
 from grainfit.testing.impact_contract import ImpactContract
 from grainfit.testing.scene_contract import SceneContract
-from grainfit.testing.simulated_scenes import (
-    FLOOR,
-    RADIUS,
-    frames,
-    scene_of,
-    spheres,
-)
+from grainfit.testing.simulated_scenes import FLOOR, RADIUS, frames, scene_of, spheres
 
 pytestmark = needs.YADE
 #: Runs the script in each folder that it reads, in a copy of the process; says how it ended.

@@ -14,12 +14,7 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any
 
-from grainfit.bulk_tests.natural_units import (
-    NaturalRun,
-    in_si,
-    natural_run,
-    without_rounding_error,
-)
+from grainfit.bulk_tests.natural_units import NaturalRun, in_si, natural_run, without_rounding_error
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.campaign.absent_responses import with_needed
 from grainfit.campaign.campaign import evaluation_of

@@ -11,12 +11,7 @@ from scipy import linalg, optimize
 from scipy.linalg import lapack
 from scipy.spatial.distance import pdist, squareform
 
-from grainfit.metamodels.predictor import (
-    Contrasts,
-    FloatArray,
-    Hyperparameters,
-    matern_and_slope,
-)
+from grainfit.metamodels.predictor import Contrasts, FloatArray, Hyperparameters, matern_and_slope
 
 # Weak priors: a response changes smoothly over the unit cube, and its residuals from the trend may
 # be all noise or hardly any. Ranges grow with the square root of the dimension, as distances do.

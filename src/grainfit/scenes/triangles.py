@@ -10,17 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.scenes.scene import Box
-from grainfit.scenes.shapes import (
-    Annulus,
-    Block,
-    Cone,
-    Cylinder,
-    Disc,
-    Mesh,
-    Plane,
-    Shape,
-    Vector,
-)
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Shape, Vector
 from grainfit.scenes.stl import mesh_triangles
 
 #: Shape (n, 3, 3): corners of n triangles, m.

@@ -33,12 +33,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests, recreate_test
 from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.calibration_file.tests_section import layout_of_test
-from grainfit.errors import (
-    InputError,
-    NotMeasurableError,
-    RunFailedError,
-    SolverNotFoundError,
-)
+from grainfit.errors import InputError, NotMeasurableError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Measured, curves, scalars
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity, Whole

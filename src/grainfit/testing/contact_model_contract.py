@@ -43,11 +43,7 @@ from grainfit.contact_models.hertz_mindlin.model import (
     particle_moduli,
     tangential_stiffness,
 )
-from grainfit.contact_models.registry import (
-    MATERIAL_PARAMETERS,
-    contact_law,
-    with_defaults,
-)
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS, contact_law, with_defaults
 from grainfit.run_definition import without_defaults
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.single_contacts import ContactCase, Motion, SingleContacts, Sphere

@@ -22,11 +22,7 @@ import pytest
 from numpy.typing import NDArray
 
 from grainfit.contact_models.contact import particle_mass
-from grainfit.contact_models.hertz_mindlin.model import (
-    impact_overlap,
-    impact_time,
-    particle_moduli,
-)
+from grainfit.contact_models.hertz_mindlin.model import impact_overlap, impact_time, particle_moduli
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.packing import Column

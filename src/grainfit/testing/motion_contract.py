@@ -10,20 +10,9 @@ import pytest
 
 from grainfit.errors import RunFailedError
 from grainfit.scenes.conditions import Elapsed, Loaded
-from grainfit.scenes.records import (
-    Force,
-    Recorded,
-    Series,
-    Travel,
-)
+from grainfit.scenes.records import Force, Recorded, Series, Travel
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
-from grainfit.scenes.shapes import (
-    Block,
-    Cylinder,
-    Disc,
-    Plane,
-    Shape,
-)
+from grainfit.scenes.shapes import Block, Cylinder, Disc, Plane, Shape
 from grainfit.testing.simulated_scenes import (
     DAMPED,
     FLOOR,

@@ -24,25 +24,10 @@ import pytest
 from grainfit.errors import InputError
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.packing import Rectangle, random_column
-from grainfit.scenes.records import (
-    Force,
-    KineticEnergy,
-    MassAbove,
-    Recorded,
-    Series,
-)
+from grainfit.scenes.records import Force, KineticEnergy, MassAbove, Recorded, Series
 from grainfit.scenes.run_output import STAGES, series_file
 from grainfit.scenes.scene import Load, Rotation, Stage, Velocity, Wall
-from grainfit.scenes.shapes import (
-    Annulus,
-    Block,
-    Cone,
-    Cylinder,
-    Disc,
-    Mesh,
-    Plane,
-    Shape,
-)
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Shape
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.testing.motion_contract import MotionContract

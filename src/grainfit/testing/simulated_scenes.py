@@ -15,14 +15,10 @@ from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.packing import Column
-from grainfit.scenes.records import (
-    Series,
-)
+from grainfit.scenes.records import Series
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Box, Scene, Stage, Wall, time_step
-from grainfit.scenes.shapes import (
-    Plane,
-)
+from grainfit.scenes.shapes import Plane
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.testing.materials import GLASS_BEADS

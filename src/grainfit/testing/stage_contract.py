@@ -12,21 +12,10 @@ from grainfit.errors import RunFailedError
 from grainfit.measurement.particles import read_frames
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed
 from grainfit.scenes.film import FILM, Film
-from grainfit.scenes.records import (
-    Force,
-    Frames,
-    KineticEnergy,
-    MassAbove,
-    Recorded,
-    Series,
-)
+from grainfit.scenes.records import Force, Frames, KineticEnergy, MassAbove, Recorded, Series
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Stage, Velocity, Wall
-from grainfit.scenes.shapes import (
-    Block,
-    Cylinder,
-    Plane,
-)
+from grainfit.scenes.shapes import Block, Cylinder, Plane
 from grainfit.testing.simulated_scenes import (
     BOX,
     DAMPED,

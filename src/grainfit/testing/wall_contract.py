@@ -19,23 +19,9 @@ from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.packing import Column, Rectangle, random_column
-from grainfit.scenes.records import (
-    Force,
-    RadialForce,
-    Recorded,
-    Series,
-)
+from grainfit.scenes.records import Force, RadialForce, Recorded, Series
 from grainfit.scenes.scene import Box, Stage, Wall, time_step
-from grainfit.scenes.shapes import (
-    Annulus,
-    Block,
-    Cone,
-    Cylinder,
-    Disc,
-    Mesh,
-    Plane,
-    Shape,
-)
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Shape
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.program import DeckSolver

@@ -20,12 +20,7 @@ from grainfit.files import LARGEST_TEMPLATE
 from grainfit.formatting import variable_name
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model import fill_templates, messages
-from grainfit.solvers.own_model.fill_templates import (
-    ALL_VALUES,
-    fault_of,
-    fill,
-    open_environment,
-)
+from grainfit.solvers.own_model.fill_templates import ALL_VALUES, fault_of, fill, open_environment
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.prime_seed import PRIME_SEEDS, prime_seeds
 from grainfit.solvers.own_model.template_names import TemplateNames, names_in

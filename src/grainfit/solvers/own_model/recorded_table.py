@@ -28,13 +28,7 @@ from grainfit.solvers.own_model.csv_table import (
 from grainfit.solvers.process import messages as process_messages
 from grainfit.table_files import messages as table_messages
 from grainfit.table_files.headings import Heading
-from grainfit.table_files.reading import (
-    Reading,
-    TableFaults,
-    Wanted,
-    column_of,
-    find_column,
-)
+from grainfit.table_files.reading import Reading, TableFaults, Wanted, column_of, find_column
 from grainfit.table_files.table import read_table
 from grainfit.units import is_unit
 

@@ -33,11 +33,7 @@ from grainfit.strategies.staged.least_squares import (
     fit_on_metamodels,
 )
 from grainfit.strategies.staged.options import StagedOptions
-from grainfit.strategies.staged.residuals import (
-    expected_misfit,
-    expected_misfit_at,
-    residuals_at,
-)
+from grainfit.strategies.staged.residuals import expected_misfit, expected_misfit_at, residuals_at
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.out_of_reach import OutOfReach
 
