@@ -99,17 +99,7 @@ def _free_and_fixed(
 class ScaledRunMatcher:
     """Recognise runs of a bulk test at another particle size or density, and scale them.
 
-    Parameters
-    ----------
-    solver : Solver
-        The solver of the runs. Runs of a model of the user never match.
-    problem : Problem
-        The problem, with the free parameters.
-
-    Raises
-    ------
-    GrainfitError
-        The solver has no model, for example because its program is missing.
+    Runs of a model of the user never match. Parameters and errors are those of `RunMatcher`.
     """
 
     def __init__(self, solver: Solver, problem: Problem) -> None:

@@ -82,10 +82,6 @@ def nearest_runs(
         Decides the search for that place.
     most : int
         Largest number of runs.
-
-    Returns
-    -------
-    list of Evaluation
     """
     if len(evaluations) <= most:
         return list(evaluations)

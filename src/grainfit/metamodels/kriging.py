@@ -146,10 +146,6 @@ class Kriging:
         scatter : GrowingScatter, optional
             Change of the scatter over the cube, taken into account if the runs support it.
 
-        Returns
-        -------
-        Kriging
-
         Raises
         ------
         InputError
@@ -290,10 +286,6 @@ class Kriging:
         points : array_like, shape (m, d)
             Points in the unit cube.
 
-        Returns
-        -------
-        Prediction
-
         Raises
         ------
         InputError
@@ -396,10 +388,6 @@ class Kriging:
         """Prediction of each run from the others, without fitting again.
 
         Hyperparameters and their weights stay those of all runs. Pending runs do not count.
-
-        Returns
-        -------
-        LeaveOneOut
         """
         return self._judged_by.leave_one_out() if self._judged_by else self._leave_one_out
 
@@ -429,10 +417,6 @@ class Kriging:
         values : array_like, shape (m,)
             Their responses.
 
-        Returns
-        -------
-        Kriging
-
         Raises
         ------
         InputError
@@ -456,10 +440,6 @@ class Kriging:
         ----------
         points : array_like, shape (m, d)
             Points of the pending runs.
-
-        Returns
-        -------
-        Kriging
 
         Raises
         ------
@@ -511,10 +491,6 @@ class Kriging:
         ----------
         components : int
             Number of sets to keep; their weights are raised to sum to one.
-
-        Returns
-        -------
-        Kriging
 
         Raises
         ------
@@ -600,10 +576,6 @@ class Kriging:
         spread : bool
             Whether the runs are spread by a design. Runs that a search has placed close together
             differ by little more than their noise, so their Q2 has no meaning.
-
-        Returns
-        -------
-        list of str
         """
         quality = self.leave_one_out()
         if math.isnan(quality.q2):

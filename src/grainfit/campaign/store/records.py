@@ -133,13 +133,7 @@ class CalibrationRecord:
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> CalibrationRecord:
-        """Read a row of the store.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            The row is not a calibration.
-        """
+        """Read a row; raise KeyError, TypeError or ValueError if it is no calibration."""
         return cls(
             identity=text(row["identity"], "identity"),
             name=text(row["name"], "name"),
@@ -169,13 +163,7 @@ class RequestRecord:
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> RequestRecord:
-        """Read a row of the store.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            The row is not a request.
-        """
+        """Read a row; raise KeyError, TypeError or ValueError if it is no request."""
         return cls(
             position=whole(row["position"], "position"),
             stage=choice(row["stage"], "stage", get_args(Stage)),

@@ -21,7 +21,7 @@ from grainfit.contact_models.registry import (
 from grainfit.errors import InputError
 from grainfit.formatting import variable_name
 from grainfit.materials.card import CardParameter, MaterialCard
-from grainfit.materials.card_text import comment
+from grainfit.materials.card_text import about, comment, header
 from grainfit.materials.parameters import BODY_PARAMETERS, MaterialParameter
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import PLAIN, plain_name, wall_of, walls_among
@@ -169,6 +169,12 @@ def variables(
 def comments(notes: Iterable[str]) -> str:
     """Return the notes of contact models as comments; a model without notes has none."""
     return "\n".join(f"# {line}" for text in notes for line in text.splitlines())
+
+
+def fill_card(solver: str, card: MaterialCard, values: Mapping[str, Any]) -> str:
+    """Fill in the card of a solver: what all cards have, and values of its own."""
+    common = {"header": header(card), "origin": origin(card, solver), "card": card, "about": about}
+    return fill(solver, common | dict(values))
 
 
 def fill(solver: str, values: Mapping[str, Any], template: str = "card.j2") -> str:

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.lammps import lammps_clauses, lammps_keywords
 from grainfit.materials.card import MaterialCard
-from grainfit.materials.card_text import about, header
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import material_on
 from grainfit.solvers.dem.card_clumps import clump_lines, lammps_molecule
 from grainfit.solvers.dem.card_parts import (
     comments,
-    fill,
-    origin,
+    fill_card,
     require_material,
     require_sizes,
     simulated_card,
@@ -72,12 +70,10 @@ def render_lammps(card: MaterialCard) -> str:
     ]
     several = len(kinds.radii) > 1
     taken = (*_TAKEN, *(found.name for found in (*between, *walls)))
-    return fill(
+    return fill_card(
         "lammps",
+        card,
         {
-            "header": header(card),
-            "origin": origin(card, "lammps"),
-            "card": card,
             "kinds": kinds,
             "groups": [f"size{n + 1} type {n + 1}" for n in range(len(kinds.radii)) if several],
             "sizes": sizes,
@@ -85,7 +81,6 @@ def render_lammps(card: MaterialCard) -> str:
             "reach": max(sizes.outer_diameters) + 0.3 * sizes.sauter_diameter,
             "clump": clump_lines(sizes, material["particle.density"], lammps_molecule),
             "variables": list(variables(card.parameters, taken)),
-            "about": about,
             "notes": comments(keywords.notes(card.gravity) for keywords in lammps_keywords(law)),
             "particle_contacts": between,
             "wall_contacts": walls,

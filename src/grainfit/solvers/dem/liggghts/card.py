@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.materials.card import MaterialCard
-from grainfit.materials.card_text import about, header
 from grainfit.materials.walls import material_on, on_wall
 from grainfit.solvers.dem.card_clumps import clump_lines, liggghts_template
 from grainfit.solvers.dem.card_parts import (
-    fill,
-    origin,
+    fill_card,
     require_material,
     simulated_card,
     variables,
@@ -39,15 +37,12 @@ def render_liggghts(card: MaterialCard) -> str:
     walls = walls_of_card(card)
     walls_moduli = [values[on_wall("wall.youngs_modulus", wall)] for wall in walls]
     moduli = [values["particle.youngs_modulus"], *walls_moduli]
-    return fill(
+    return fill_card(
         "liggghts",
+        card,
         {
-            "header": header(card),
-            "origin": origin(card, "liggghts"),
-            "card": card,
             "clump": clump_lines(card.sizes, values["particle.density"], liggghts_template),
             "variables": named,
-            "about": about,
             "soft": min(moduli) < _SOFT,
             "hard": max(moduli) > _HARD,
             "contact_model": liggghts_model(law),

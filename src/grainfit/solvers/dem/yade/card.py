@@ -7,13 +7,11 @@ from typing import NamedTuple
 
 from grainfit.contact_models.yade import yade_keywords, yade_law, yade_physics
 from grainfit.materials.card import MaterialCard
-from grainfit.materials.card_text import about, header
 from grainfit.materials.walls import on_wall
 from grainfit.solvers.dem.card_clumps import card_clumps, clump_comments
 from grainfit.solvers.dem.card_parts import (
     comments,
-    fill,
-    origin,
+    fill_card,
     require_material,
     require_sizes,
     simulated_card,
@@ -52,16 +50,13 @@ def render_yade(card: MaterialCard) -> str:
     sizes = require_sizes(card, "yade")
     contact = SphereTypes.mean_of(sizes).between(material, 1, 1, card.gravity)
     keywords = yade_keywords(law)
-    return fill(
+    return fill_card(
         "yade",
+        card,
         {
-            "header": header(card),
-            "origin": origin(card, "yade"),
-            "card": card,
             "clump_comments": clump_comments(sizes),
             "clumps": card_clumps(sizes, material["particle.density"]),
             "weights": None if sizes.clump is None else clump_shares(sizes.clump).weights,
-            "about": about,
             "quoted": repr,
             "notes": comments(found.notes(contact) for found in keywords),
             "physics": yade_physics(law, contact),
