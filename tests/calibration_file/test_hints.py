@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,8 @@ import pytest
 import grainfit as gf
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import Fault
+from grainfit.solvers.other_names import OTHER_TESTS, instead_of_program, instead_of_test
+from grainfit.solvers.registry import types_of_test
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
@@ -122,3 +125,25 @@ def test_short_name_of_a_parameter_leads_to_the_free_one(name: str, hint: str) -
         gf.load(EXAMPLE).values([f"{name}=1"])
     [fault] = caught.value.faults
     assert (fault.key, fault.remedy) == (name, hint)
+
+
+@pytest.mark.parametrize("name", ["funnel", "Triaxial", "ring shear", "hopper"])
+def test_a_test_that_is_not_there_names_the_one_that_comes_nearest(
+    name: str, tmp_path: Path
+) -> None:
+    found = message(tmp_path, 'type = "heap"', f'type = "{name}"')
+    assert instead_of_test(name) in found
+
+
+@pytest.mark.parametrize("name", ["edem", "EDEM 2023", "Star-CCM+"])
+def test_another_program_is_used_by_command_or_table(name: str, tmp_path: Path) -> None:
+    found = message(tmp_path, 'solver = "lammps"', f'solver = "{name}"')
+    assert 'type = "command"' in found
+    assert 'type = "table"' in found
+
+
+def test_doors_that_are_named_are_there() -> None:
+    for sentence in {*OTHER_TESTS.values(), instead_of_program("edem", ["lammps"])}:
+        named = re.findall(r'"(\w+)"', sentence)
+        assert named
+        assert set(named) <= types_of_test().keys()

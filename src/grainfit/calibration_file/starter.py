@@ -20,6 +20,7 @@ from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.starting_materials import StartingMaterial, StartingValue
 from grainfit.options.tables import Key
+from grainfit.solvers.other_names import instead_of_program, instead_of_test
 from grainfit.solvers.registry import DEM_PROGRAMS
 
 #: Column at which remarks begin.
@@ -119,13 +120,18 @@ def starter_file(
     """
     known = bulk_tests()
     faults = [
-        Fault("test", f"{name!r} is not a bulk test.", f"Use one of {', '.join(known)}.")
+        Fault(
+            "test",
+            f"{name!r} is not a bulk test.",
+            instead_of_test(name) or f"Use one of {', '.join(known)}.",
+        )
         for name in names
         if name not in known
     ]
     if solver not in DEM_PROGRAMS:
         words = f"{solver!r} is not a DEM program that grainfit knows."
-        faults.append(Fault("solver", words, f"Use one of {', '.join(DEM_PROGRAMS)}."))
+        door = instead_of_program(solver, DEM_PROGRAMS)
+        faults.append(Fault("solver", words, door or f"Use one of {', '.join(DEM_PROGRAMS)}."))
     if not faults:
         tests = [
             known[name](diameter=f"{DIAMETER_OF_EXAMPLES} mm") for name in dict.fromkeys(names)

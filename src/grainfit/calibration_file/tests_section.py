@@ -27,6 +27,7 @@ from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import CurveTarget
 from grainfit.solvers.file_entry import TestType
+from grainfit.solvers.other_names import instead_of_test
 from grainfit.solvers.registry import types_of_test
 
 _OWN_EXAMPLE = '{ angle = { value = 36.0, uncertainty = 0.5, unit = "deg" } }'
@@ -175,7 +176,7 @@ class Tests(Kind):
         if "type" not in value:
             place.at("type").fault("is missing.", f"Choose one of: {', '.join(kinds)}.")
             return None
-        chosen = Choice(tuple(kinds)).read(value["type"], place.at("type"))
+        chosen = Choice(tuple(kinds), instead_of_test).read(value["type"], place.at("type"))
         if chosen is None:
             return None
         layout = layout_of_test(kinds[chosen], planned=self.planned)

@@ -10,8 +10,8 @@ import difflib
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from typing import Any
 
 from grainfit.options.places import Place, kind_of, show
@@ -89,15 +89,25 @@ def note_bad_name(name: str, place: Place) -> bool:
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of a few words."""
+    """One of a few words.
+
+    Parameters
+    ----------
+    options : tuple of str
+        The words.
+    elsewhere : callable, optional
+        Returns what to use for another word that users expect here; empty where it does not know.
+    """
 
     options: tuple[str, ...]
+    elsewhere: Callable[[object], str] | None = field(default=None, compare=False)
 
     def read(self, value: Any, place: Place) -> str | None:
         """Read one of the words."""
         if isinstance(value, str) and value in self.options:
             return value
-        place.fault(f"is {show(value)}.", suggest(value, self.options, "Possible here"))
+        door = self.elsewhere(value) if self.elsewhere else ""
+        place.fault(f"is {show(value)}.", door or suggest(value, self.options, "Possible here"))
         return None
 
     def schema(self) -> Schema:

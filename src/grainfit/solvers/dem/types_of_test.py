@@ -18,6 +18,7 @@ from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.parts import parts_on_walls, walls_of
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.file_entry import TIMEOUT_KEY, FileEntry, TestType
+from grainfit.solvers.other_names import instead_of_program
 from grainfit.solvers.parameters_for import of_material
 
 Programs = Mapping[str, type[DeckSolver]]
@@ -37,7 +38,7 @@ def _program_keys(possible: tuple[str, ...]) -> tuple[Key, ...]:
     return (
         Key(
             "solver",
-            Choice(possible),
+            Choice(possible, partial(instead_of_program, known=possible)),
             "DEM program that simulates the test.",
             required=True,
             example=f'"{possible[0]}"',
