@@ -5,17 +5,15 @@ The contact laws themselves are tested by the contract of contact models.
 """
 
 import math
-import shutil
 
 import pytest
+from small_heaps import each_solver
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import read_dump
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.process.process import run_process
 from grainfit.testing.decks import write_deck
 from grainfit.testing.materials import GLASS_BEADS
@@ -33,21 +31,6 @@ MATERIAL = {
 }
 #: Overlap of one particle resting on the plate.
 RESTING = hertz_overlap(MASS * GRAVITY, particle_moduli(MATERIAL, "wall"), RADIUS)
-
-each_solver = pytest.mark.parametrize(
-    "solver_type",
-    [
-        pytest.param(Lammps, id="lammps"),
-        pytest.param(
-            Liggghts,
-            id="liggghts",
-            marks=pytest.mark.skipif(
-                shutil.which("liggghts") is None,
-                reason="LIGGGHTS is not installed: apt-get install liggghts",
-            ),
-        ),
-    ],
-)
 
 
 def simulate(solver_type, folder, particles, seconds, rolling_damping=0.25, **options):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
-
 import pytest
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -47,8 +46,6 @@ class TestLammps(HeapContract):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
+@needs.LIGGGHTS
 class TestLiggghts(HeapContract):
     program = Liggghts

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import needs
 from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.drum import Drum
 from grainfit.bulk_tests.drum.angles import DrumAngles
@@ -35,9 +35,6 @@ from grainfit.solvers.dem.yade.scene_deck import YadeSceneDeck
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.solver_contract import ProcessSolverContract
 
-needs_yade = pytest.mark.skipif(
-    shutil.which("yade") is None, reason="YADE is not installed: apt-get install yade"
-)
 DAMPING = ("particle_particle.rolling_damping", "particle_wall.rolling_damping")
 MATERIAL = {**GLASS_BEADS, **dict.fromkeys(DAMPING, 0.0)}
 FREE = ("particle.density", "particle_particle.rolling_friction")
@@ -50,7 +47,7 @@ EXAMPLE = (Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration
 SMALL = Packing(BEADS, cylinder_radius=0.03, fill_height=0.05)
 
 
-@needs_yade
+@needs.YADE
 @pytest.mark.slow
 class TestYade(ProcessSolverContract):
     @pytest.fixture
@@ -156,7 +153,7 @@ def test_a_calibration_file_can_name_it(tmp_path):
         assert solver.contact_models == (("epsd2",) if model else ())
 
 
-@needs_yade
+@needs.YADE
 @pytest.mark.slow
 def test_a_bed_is_sheared_between_plates(tmp_path):
     short = {"transient_strain": 0.5, "averaged_strain": 1.0}
@@ -168,7 +165,7 @@ def test_a_bed_is_sheared_between_plates(tmp_path):
     assert found["shear_density"].value == pytest.approx(1320, rel=0.03)
 
 
-@needs_yade
+@needs.YADE
 @pytest.mark.slow
 @pytest.mark.parametrize(("lining", "slip"), [(True, 0.07), (False, 0.27)])
 def test_a_drum_takes_its_bed_along(tmp_path, lining, slip):
@@ -190,7 +187,7 @@ def test_a_period_that_yade_would_overlook_contacts_across_is_refused(tmp_path):
         Yade(SMALL, MATERIAL).simulate(one_particle(box), Workspace(tmp_path))
 
 
-@needs_yade
+@needs.YADE
 @pytest.mark.slow
 def test_an_error_of_the_script_is_the_reason_of_the_failure(tmp_path):
     solver = Yade(SMALL, MATERIAL)

@@ -3,14 +3,15 @@
 import json
 import math
 import os
-import shutil
 import stat
 import threading
 import time
 from functools import cache
 
 import pytest
+from small_heaps import SMALL_HEAP, each_solver
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
@@ -26,22 +27,7 @@ from grainfit.testing.materials import GLASS_BEADS
 
 MONOSIZE = ParticleSizes((0.010,))
 STUDY = Heap(MONOSIZE)
-#: A third of the study's particles.
-SMALL_GEOMETRY = {
-    "cylinder_radius": 0.04,
-    "strike_off_height": 0.08,
-    "bulk_density_top": 0.07,
-    "plate_radius": 0.12,
-}
-SMALL = Heap(MONOSIZE, **SMALL_GEOMETRY)
-needs_liggghts = pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
-SOLVERS = [
-    pytest.param(Lammps, id="lammps"),
-    pytest.param(Liggghts, id="liggghts", marks=needs_liggghts),
-]
-each_solver = pytest.mark.parametrize("solver_type", SOLVERS)
+SMALL = Heap(MONOSIZE, **SMALL_HEAP)
 
 
 def run(solver_type, folder, test=SMALL, seed=1, ranks=1, timeout=120.0, **changes):
@@ -164,13 +150,13 @@ class TestProgram:
         with pytest.raises(SolverNotFoundError, match="without the GRANULAR package"):
             Lammps(SMALL, GLASS_BEADS, executable=str(program)).definition({}, 1)
 
-    @needs_liggghts
+    @needs.LIGGGHTS
     def test_liggghts_refuses_a_low_restitution_before_any_run(self):
         material = {**GLASS_BEADS, "particle_wall.restitution": 0.05}
         with pytest.raises(InputError, match=r"particle_wall\.restitution.*LAMMPS"):
             Liggghts(SMALL, material).check()
 
-    @needs_liggghts
+    @needs.LIGGGHTS
     def test_the_programs_own_error_message_is_the_reason(self, tmp_path):
         with pytest.raises(RunFailedError, match="coefficientRestitution") as caught:
             run(Liggghts, tmp_path, **{"particle_particle.restitution": 0.05})
@@ -208,7 +194,7 @@ class TestRealHeaps:
     @each_solver
     def test_bidisperse_particles_pack_denser(self, solver_type, tmp_path):
         sizes = ParticleSizes((0.012, 0.007), (0.6, 0.4))
-        result = run(solver_type, tmp_path, Heap(sizes, **SMALL_GEOMETRY))
+        result = run(solver_type, tmp_path, Heap(sizes, **SMALL_HEAP))
         # One size gives 1311 kg/m^3 in this cylinder, with a standard deviation of 8 (six runs).
         assert 1335 < result["bulk_density"] < 1500
         assert 10 < result["angle_of_repose"] < 30
@@ -222,7 +208,7 @@ class TestRealHeaps:
 
     @each_solver
     def test_a_heap_without_friction_rolls_away(self, solver_type, tmp_path):
-        test = Heap(MONOSIZE, **SMALL_GEOMETRY, plate_sliding_friction=0, plate_rolling_friction=0)
+        test = Heap(MONOSIZE, **SMALL_HEAP, plate_sliding_friction=0, plate_rolling_friction=0)
         nothing = {name: 0.0 for name in GLASS_BEADS if name.endswith("_friction")}
         with pytest.raises(RunFailedError, match="angle of repose") as caught:
             run(solver_type, tmp_path, test, **nothing)
@@ -231,23 +217,23 @@ class TestRealHeaps:
 
     @each_solver
     def test_a_bed_that_is_not_at_rest_in_time_is_said(self, solver_type, tmp_path):
-        test = Heap(MONOSIZE, **SMALL_GEOMETRY, settling_time_limit=0.01)
+        test = Heap(MONOSIZE, **SMALL_HEAP, settling_time_limit=0.01)
         lively = {"particle_particle.restitution": 0.95, "particle_wall.restitution": 0.95}
         with pytest.raises(RunFailedError, match="come to rest in the fill stage") as caught:
             run(solver_type, tmp_path, test, **lively)
         assert caught.value.kind == "simulation"
         assert not list(tmp_path.rglob("*.dump"))
 
-    @needs_liggghts
+    @needs.LIGGGHTS
     def test_a_bed_that_its_rolling_dashpots_keep_awake_is_said(self, tmp_path):
         # Twice the safe time step at a high rolling friction: never at rest, and no solver error.
-        test = Heap(MONOSIZE, **SMALL_GEOMETRY, time_step_fraction=0.25)
+        test = Heap(MONOSIZE, **SMALL_HEAP, time_step_fraction=0.25)
         with pytest.raises(RunFailedError, match="come to rest in the fill stage within 2"):
             run(Liggghts, tmp_path, test, **{"particle_particle.rolling_friction": 1.1})
 
     @each_solver
     def test_a_time_step_too_large_is_said_not_measured(self, solver_type, tmp_path):
-        test = Heap(MONOSIZE, **SMALL_GEOMETRY, time_step_fraction=1.0)
+        test = Heap(MONOSIZE, **SMALL_HEAP, time_step_fraction=1.0)
         with pytest.raises(RunFailedError, match="time_step_fraction") as caught:
             run(solver_type, tmp_path, test)
         assert caught.value.kind == "simulation"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from math import isqrt
 from pathlib import Path
 
 import pytest
 
+import needs
 from grainfit.errors import RunFailedError
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model.command import Command
@@ -70,9 +70,7 @@ def run(solver: Command, parent: Path, seed: int) -> dict[str, float]:
     return {name: response.value for name, response in responses.items()}
 
 
-@pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
+@needs.LIGGGHTS
 class TestLiggghts:
     def test_it_inserts_with_prime_seeds_differently_for_each_seed(self, tmp_path: Path) -> None:
         solver = liggghts(tmp_path / "model", "prime_seed")

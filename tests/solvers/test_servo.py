@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import needs
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import RunFailedError
 from grainfit.materials.sizes import ParticleSizes
@@ -41,10 +41,7 @@ each_solver = pytest.mark.parametrize(
         "lammps",
         pytest.param(
             "liggghts",
-            marks=pytest.mark.skipif(
-                shutil.which("liggghts") is None,
-                reason="LIGGGHTS is not installed: apt-get install liggghts",
-            ),
+            marks=needs.LIGGGHTS,
         ),
     ],
 )

@@ -16,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from small_heaps import SMALL_HEAP, each_solver
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.errors import RunFailedError
@@ -32,23 +33,7 @@ from grainfit.solvers.process.run_folder import RunFolder
 from grainfit.testing.materials import GLASS_BEADS
 
 PYTHON = sys.executable
-SMALL_HEAP = {
-    "cylinder_radius": 0.04,
-    "strike_off_height": 0.08,
-    "bulk_density_top": 0.07,
-    "plate_radius": 0.12,
-}
 SAID = "Neighbor list info"
-needs_liggghts = pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
-)
-each_solver = pytest.mark.parametrize(
-    "solver_type",
-    [
-        pytest.param(Lammps, id="lammps"),
-        pytest.param(Liggghts, id="liggghts", marks=needs_liggghts),
-    ],
-)
 
 
 def model(parent: Path, **files: str) -> Path:

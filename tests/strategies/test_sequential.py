@@ -93,6 +93,33 @@ def test_without_noise_it_stops_soon_after_the_design() -> None:
         assert len(converse(search, quiet)) <= DESIGN + 5
 
 
+# Warm starts -----------------------------------------------------------------------------------
+
+
+def test_runs_of_others_stand_in_for_the_design_and_most_of_the_search(noisy) -> None:
+    runs = {"cold": 0, "warm": 0}
+    for seed in range(1, 4):
+        earlier = converse(Sequential().start(heap_problem(angle=19.0), 50 + seed), heap)
+        runs["cold"] += len(noisy[seed][0])
+        warm = Sequential().start(heap_problem(), seed)
+        warm.warm_start(earlier)
+        assert warm.design_runs == 0
+        runs["warm"] += len(converse(warm, heap))
+    # A search that hands over to its verification leaves little to save behind the design.
+    assert 0 < runs["warm"] <= 2 * runs["cold"] / 3
+
+
+def test_few_runs_of_others_make_the_design_smaller_by_their_number(noisy) -> None:
+    whole = Sequential().start(heap_problem(), 1)
+    evaluations = noisy[2][0]
+    search = Sequential().start(heap_problem(), 1)
+    # Another seed at the same place is no other place.
+    again = replace(evaluations[0], proposal=replace(evaluations[0].proposal, seed=1))
+    search.warm_start([*evaluations[:2], again])
+    assert search.design_runs == whole.design_runs - 2
+    assert search.definition == whole.definition
+
+
 # The noise floor -----------------------------------------------------------------------------
 
 

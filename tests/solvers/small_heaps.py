@@ -1,0 +1,21 @@
+"""LAMMPS and LIGGGHTS where they are installed, and a heap of a third of the usual beads."""
+
+import pytest
+
+import needs
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+
+each_solver = pytest.mark.parametrize(
+    "solver_type",
+    [
+        pytest.param(Lammps, id="lammps"),
+        pytest.param(Liggghts, id="liggghts", marks=needs.LIGGGHTS),
+    ],
+)
+SMALL_HEAP = {
+    "cylinder_radius": 0.04,
+    "strike_off_height": 0.08,
+    "bulk_density_top": 0.07,
+    "plate_radius": 0.12,
+}
