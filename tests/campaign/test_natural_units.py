@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
 
 import pytest
 
@@ -22,6 +22,8 @@ from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.testing.materials import GLASS_BEADS
 
+#: Values of some responses in several runs.
+Simulated = dict[str, list[float]]
 FRICTION = "particle_particle.rolling_friction"
 DENSITY, MODULUS = "particle.density", "particle.youngs_modulus"
 #: A small heap, in diameters.
@@ -198,23 +200,31 @@ def test_a_function_has_no_natural_units() -> None:
     assert natural_run(solver.definition({}, 1)) is None
 
 
+@pytest.fixture(scope="module")
+def three_heaps(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Material], Simulated]:
+    """Give solid fractions and angles of three heaps of a material, each simulated once."""
+
+    @cache
+    def simulated(material: Material) -> Simulated:
+        folders = [tmp_path_factory.mktemp("heap") for _ in range(3)]
+        runs = [
+            material.solver().run({}, seed, Workspace(folder, 600.0))
+            for seed, folder in enumerate(folders, start=1)
+        ]
+        return {
+            "solid fraction": [r["bulk_density"].value / material.density for r in runs],
+            "angle": [r["angle_of_repose"].value for r in runs],
+        }
+
+    return simulated
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("diameter", [0.002, 0.050])
-def test_simulated_runs_of_two_sizes_are_the_same_run(diameter: float, tmp_path: Path) -> None:
-    found = []
-    for number, material in enumerate((BEADS, Material(diameter, 800.0))):
-        runs = []
-        for seed in (1, 2, 3):
-            folder = tmp_path / f"{number} {seed}"
-            folder.mkdir()
-            runs.append(material.solver().run({}, seed, Workspace(folder, 600.0)))
-        found.append(
-            {
-                "solid fraction": [r["bulk_density"].value / material.density for r in runs],
-                "angle": [r["angle_of_repose"].value for r in runs],
-            }
-        )
-    one, other = found
+def test_simulated_runs_of_two_sizes_are_the_same_run(
+    diameter: float, three_heaps: Callable[[Material], Simulated]
+) -> None:
+    one, other = three_heaps(BEADS), three_heaps(Material(diameter, 800.0))
     # Equal seeds fall from the same places; rounding makes them two samples of one distribution.
     for fraction, again in zip(one["solid fraction"], other["solid fraction"], strict=True):
         assert again == pytest.approx(fraction, rel=0.03)

@@ -28,46 +28,24 @@ def programs(model):
     return [pytest.param(solver, marks=slow.get(solver, ())) for solver in model.solvers]
 
 
-class TestHertzMindlin(HertzMindlinContract):
-    @pytest.fixture(params=programs(HertzMindlinContract.model))
-    def program(self, request):
-        return contacts(request.param)
+def kept_by_solvers(contract):
+    """The tests of a contract in all solvers that have its model."""
+
+    class Kept(contract):
+        @pytest.fixture(params=programs(contract.model))
+        def program(self, request):
+            return contacts(request.param)
+
+    return Kept
 
 
-class TestEpsd(EpsdContract):
-    @pytest.fixture(params=programs(EpsdContract.model))
-    def program(self, request):
-        return contacts(request.param)
-
-
-class TestEpsd2(Epsd2Contract):
-    @pytest.fixture(params=programs(Epsd2Contract.model))
-    def program(self, request):
-        return contacts(request.param)
-
-
-class TestSjkr(SjkrContract):
-    @pytest.fixture(params=programs(SjkrContract.model))
-    def program(self, request):
-        return contacts(request.param)
-
-
-class TestSjkr2(Sjkr2Contract):
-    @pytest.fixture(params=programs(Sjkr2Contract.model))
-    def program(self, request):
-        return contacts(request.param)
-
-
-class TestJkr(JkrContract):
-    @pytest.fixture(params=programs(JkrContract.model))
-    def program(self, request):
-        return contacts(request.param)
-
-
-class TestDmt(DmtContract):
-    @pytest.fixture(params=programs(DmtContract.model))
-    def program(self, request):
-        return contacts(request.param)
+TestHertzMindlin = kept_by_solvers(HertzMindlinContract)
+TestEpsd = kept_by_solvers(EpsdContract)
+TestEpsd2 = kept_by_solvers(Epsd2Contract)
+TestSjkr = kept_by_solvers(SjkrContract)
+TestSjkr2 = kept_by_solvers(Sjkr2Contract)
+TestJkr = kept_by_solvers(JkrContract)
+TestDmt = kept_by_solvers(DmtContract)
 
 
 def test_every_model_has_a_contract():

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from running import is_running
 
 from grainfit.errors import RunFailedError
 from grainfit.files import log_tail
@@ -40,14 +41,6 @@ time.sleep(600)
 
 def python(code: str) -> list[str]:
     return [PYTHON, "-c", code]
-
-
-def is_running(pid: int) -> bool:
-    try:
-        status = Path(f"/proc/{pid}/stat").read_text()
-    except OSError:
-        return False
-    return status.rpartition(")")[2].split()[0] != "Z"
 
 
 def wait_for(condition, seconds: float = 10.0) -> bool:

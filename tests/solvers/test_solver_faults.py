@@ -16,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from running import is_running
 from small_heaps import SMALL_HEAP, each_solver
 
 from grainfit.bulk_tests.heap import Heap
@@ -60,14 +61,6 @@ def heap(solver_type, **options):
     changes = options.pop("material", {})
     test = Heap(ParticleSizes((0.010,)), **SMALL_HEAP, **options)
     return solver_type(test, {**GLASS_BEADS, **changes})
-
-
-def is_running(pid: str) -> bool:
-    try:
-        status = Path(f"/proc/{pid}/stat").read_text()
-    except OSError:
-        return False
-    return status.rpartition(")")[2].split()[0] != "Z"
 
 
 def working_in(folder: Path) -> list[int]:

@@ -1,6 +1,7 @@
 """The staged strategy finds the answer, within its budget, and knows what it cannot reach."""
 
 from collections.abc import Callable, Mapping
+from functools import cache
 
 import numpy as np
 import pytest
@@ -58,6 +59,13 @@ def converse(search: Search, function: Function, shuffle: bool = False) -> list[
     return evaluations
 
 
+@cache
+def finished(seed: int) -> tuple[Search, list[Evaluation]]:
+    """A search with the usual noise, which several tests look at."""
+    search = Staged().start(problem(), seed)
+    return search, converse(search, heap)
+
+
 def noiseless(parameters: Mapping[str, float], random: np.random.Generator) -> dict[str, float]:
     return heap(parameters, random, noise=0.0)
 
@@ -75,8 +83,7 @@ def test_with_noise_most_answers_are_close_in_the_expected_response() -> None:
     # and 3.6 % at the 90th percentile; 20 seeds leave room for one standard error of either.
     deviations = []
     for seed in range(20):
-        search = Staged().start(problem(), seed)
-        converse(search, heap)
+        search, _ = finished(seed)
         truth = noiseless(search.answer().parameters, np.random.default_rng(0))
         deviations.append(abs(truth["angle"] / 22.0 - 1))
         assert truth["bulk_density"] == pytest.approx(1500.0, rel=0.01)
@@ -85,15 +92,13 @@ def test_with_noise_most_answers_are_close_in_the_expected_response() -> None:
 
 
 def test_the_design_is_the_papers_and_step_three_is_short() -> None:
-    search = Staged().start(problem(), seed=1)
-    stages = [e.proposal.stage for e in converse(search, heap)]
+    stages = [e.proposal.stage for e in finished(1)[1]]
     assert stages.count("design") == 26
     assert 3 <= stages.count("optimisation") <= 20
 
 
 def test_every_run_has_its_own_seed_and_lies_within_the_intervals() -> None:
-    search = Staged().start(problem(), seed=1)
-    evaluations = converse(search, heap)
+    _, evaluations = finished(1)
     assert len({e.proposal.seed for e in evaluations}) == len(evaluations)
     for evaluation in evaluations:
         assert 1407 <= evaluation.proposal.parameters["density"] <= 2793
@@ -101,14 +106,14 @@ def test_every_run_has_its_own_seed_and_lies_within_the_intervals() -> None:
 
 
 def test_the_order_in_which_runs_come_back_changes_nothing() -> None:
-    first, second = Staged().start(problem(), seed=5), Staged().start(problem(), seed=5)
-    assert converse(first, heap) == converse(second, heap, shuffle=True)
+    first, evaluations = finished(5)
+    second = Staged().start(problem(), seed=5)
+    assert evaluations == converse(second, heap, shuffle=True)
     assert first.answer() == second.answer()
 
 
 def test_another_seed_is_another_calibration() -> None:
-    first, second = Staged().start(problem(), seed=5), Staged().start(problem(), seed=6)
-    assert converse(first, heap)[0] != converse(second, heap)[0]
+    assert finished(5)[1][0] != finished(6)[1][0]
 
 
 @pytest.mark.parametrize("budget", [8, 15, 30, 60])

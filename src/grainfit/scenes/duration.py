@@ -17,14 +17,6 @@ def expected_duration(scene: Scene) -> float:
     return sum(max(_expected(stage.until), scene.check_interval) for stage in scene.stages)
 
 
-def longest_duration(scene: Scene) -> float:
-    """Return the simulated time after which the run has ended or failed, s."""
-    return sum(
-        stage.until.time if isinstance(stage.until, Elapsed) else stage.until.limit
-        for stage in scene.stages
-    )
-
-
 def _expected(until: Condition) -> float:
     if isinstance(until, Elapsed):
         return until.time
