@@ -16,6 +16,7 @@ from grainfit.cli import messages as cli_messages
 from grainfit.errors import StoreError
 from grainfit.report import verdict_messages as messages
 from grainfit.work_folder.status import read_status
+from tests.commands import grainfit_here
 
 MODEL = """
 import random
@@ -58,17 +59,29 @@ def command(*arguments: str | Path) -> list[str]:
 def grainfit(
     *arguments: str | Path, folder: Path, code: int = 0
 ) -> subprocess.CompletedProcess[str]:
-    done = subprocess.run(
-        command(*arguments), cwd=folder, capture_output=True, text=True, timeout=120, check=False
-    )
+    return checked(grainfit_here(folder, *arguments), code)
+
+
+def checked(
+    done: subprocess.CompletedProcess[str], code: int = 0
+) -> subprocess.CompletedProcess[str]:
     assert "\nTraceback" not in f"\n{done.stdout}\n{done.stderr}"
     assert done.returncode == code, done.stdout + done.stderr
     return done
 
 
+def in_own_process(
+    *arguments: str | Path, folder: Path, code: int = 0
+) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        command(*arguments), cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    return checked(done, code)
+
+
 def test_run_calibrates_and_leaves_its_result_where_it_says(tmp_path: Path) -> None:
     file = calibration(tmp_path)
-    done = grainfit("run", file, "--seed", "4", folder=tmp_path)
+    done = in_own_process("run", file, "--seed", "4", folder=tmp_path)
     assert "calibrated" in done.stdout
     assert "sand 'n' [gravel]" in done.stdout
     assert "design" in done.stderr, "progress is shown without a terminal too"
@@ -97,7 +110,9 @@ def test_a_report_that_cannot_be_written_costs_no_result(tmp_path: Path) -> None
 
 
 def test_out_of_reach_exits_with_three_and_names_the_bound(tmp_path: Path) -> None:
-    done = grainfit("run", calibration(tmp_path, high=0.3), "--no-report", folder=tmp_path, code=3)
+    done = in_own_process(
+        "run", calibration(tmp_path, high=0.3), "--no-report", folder=tmp_path, code=3
+    )
     assert "friction.max = 0.3" in done.stdout
     assert "out of reach" in done.stdout
 
@@ -127,7 +142,7 @@ def test_undecided_exits_with_three_and_says_what_would_help(tmp_path: Path) -> 
 
 
 def test_runs_that_all_fail_exit_with_one_and_the_reason(tmp_path: Path) -> None:
-    done = grainfit("run", calibration(tmp_path, breaks=0.0), folder=tmp_path, code=1)
+    done = in_own_process("run", calibration(tmp_path, breaks=0.0), folder=tmp_path, code=1)
     assert "the drum broke" in done.stderr
     assert done.stdout == "Report: my sand.grainfit/report.html\n"
     page = (tmp_path / "my sand.grainfit" / "report.html").read_text()
@@ -186,8 +201,8 @@ def test_a_work_folder_in_use_is_refused_and_shown_as_running(tmp_path: Path) ->
     file = calibration(tmp_path)
     grainfit("simulate", file, "--workdir", "my sand.grainfit", folder=tmp_path)
     with hold(tmp_path / "my sand.grainfit"):
-        busy = grainfit("run", file, folder=tmp_path, code=1)
-        shown = grainfit("status", "my sand.grainfit", folder=tmp_path)
+        busy = in_own_process("run", file, folder=tmp_path, code=1)
+        shown = in_own_process("status", "my sand.grainfit", folder=tmp_path)
     assert f"in use by process {os.getpid()}" in busy.stderr
     assert "running" in shown.stdout
 
@@ -195,9 +210,7 @@ def test_a_work_folder_in_use_is_refused_and_shown_as_running(tmp_path: Path) ->
 def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
     grainfit("new", "beads.toml", folder=tmp_path)
     # Whether its solver is installed is another matter than whether the file is right.
-    done = subprocess.run(
-        command("check", "beads.toml"), cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    done = grainfit_here(tmp_path, "check", "beads.toml")
     assert "free parameter" in done.stdout
     refused = grainfit("new", "beads.toml", folder=tmp_path, code=1)
     assert cli_messages.EXISTS.is_in(refused.stderr)

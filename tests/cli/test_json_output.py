@@ -13,6 +13,8 @@ from typing import Any
 import pytest
 from sand_files import FILE
 
+from tests.commands import grainfit_here
+
 DOCS = Path(__file__).parents[2] / "docs" / "command_line.md"
 
 MODEL = """
@@ -37,7 +39,7 @@ def grainfit(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def document(folder: Path, *arguments: str, code: int = 0) -> dict[str, Any]:
-    done = grainfit(folder, *arguments, "--json")
+    done = grainfit_here(folder, *arguments, "--json")
     assert done.returncode == code, done.stdout + done.stderr
     assert done.stderr == ""
     found: dict[str, Any] = json.loads(done.stdout)
