@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
-from grainfit.bulk_tests.base import ResponseInfo
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import (
     DENSITY,
     MODULUS,

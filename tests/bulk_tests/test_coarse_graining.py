@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.abilities import material_faults
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.discharge import Discharge
@@ -145,7 +146,7 @@ def test_largest_factor_is_named_for_everything_that_is_too_narrow(kind):
 
     remedies = [fault.remedy for fault in refused.value.faults]
     [factor] = {float(*re.findall(r"coarse_graining = (\S+) at most", words)) for words in remedies}
-    assert [*kind(REAL.coarse_grained(factor)).material_faults({})] == []
+    assert [*material_faults(kind(REAL.coarse_grained(factor)), {})] == []
     with pytest.raises(InputError):
         cohesionless(kind(REAL.coarse_grained(factor + 0.01)))
 

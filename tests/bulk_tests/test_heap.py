@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.workload import workload
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round, random_column
@@ -316,21 +317,21 @@ class TestMeasure:
 
 class TestCost:
     def test_time_step_is_the_stated_share_of_the_rayleigh_time_step(self, glass_beads):
-        workload = Heap(MONOSIZE).workload(glass_beads)
-        assert workload.time_step == pytest.approx(0.12 * 0.002054, rel=1e-3)
+        estimated = workload(Heap(MONOSIZE), glass_beads)
+        assert estimated.time_step == pytest.approx(0.12 * 0.002054, rel=1e-3)
 
     def test_stiffer_particles_cost_more(self, glass_beads):
         stiff = {**glass_beads, "particle.youngs_modulus": 100 * 3.6e5}
         test = Heap(MONOSIZE)
         soft_cost, stiff_cost = (
-            Lammps.speed.cost(test.workload(material)) for material in (glass_beads, stiff)
+            Lammps.speed.cost(workload(test, material)) for material in (glass_beads, stiff)
         )
         assert stiff_cost.steps == pytest.approx(10 * soft_cost.steps, rel=0.01)
         assert stiff_cost.wall_seconds == pytest.approx(10 * soft_cost.wall_seconds, rel=0.01)
 
     def test_each_of_very_many_particles_costs_more(self, glass_beads):
         few, more, most = (
-            Lammps.speed.cost(Heap(MONOSIZE, particle_count=count).workload(glass_beads))
+            Lammps.speed.cost(workload(Heap(MONOSIZE, particle_count=count), glass_beads))
             for count in (1500, 9000, 90_000)
         )
         each = [cost.wall_seconds / cost.steps / cost.particles for cost in (few, more, most)]

@@ -15,6 +15,7 @@ import pytest
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import OwnScene, user_function
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.bulk_tests.workload import workload
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.campaign.batch import run_folders, simulate_batch
@@ -229,7 +230,7 @@ def test_a_fault_of_the_scene_has_file_and_line_and_no_line_of_grainfit(
     assert "beads.py" in caught.value.reason
     assert "grainfit/bulk_tests" not in caught.value.log_tail
     with pytest.raises(InputError, match=r"^scene: "):
-        test.workload(GLASS_BEADS)
+        workload(test, GLASS_BEADS)
 
 
 def finished(beads: Path, folder: Path) -> OwnScene:

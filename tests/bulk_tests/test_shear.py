@@ -15,10 +15,12 @@ from scipy.spatial import cKDTree
 
 import grainfit as gf
 from grainfit.analysis.soft_particles import stiffness_notes
+from grainfit.bulk_tests.abilities import material_faults
 from grainfit.bulk_tests.natural_units import natural_run
 from grainfit.bulk_tests.shear import Shear
 from grainfit.bulk_tests.shear.flow import Frame, block_mean, velocity_profile
 from grainfit.bulk_tests.shear.plates import PlateLayout, plate_layout
+from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.materials.sizes import ParticleSizes
@@ -158,12 +160,12 @@ def test_an_impossible_option_is_named_with_its_value_and_a_remedy(options, key,
 
 def test_a_stress_that_is_too_much_for_the_particles_is_refused():
     test = Shear(BEADS, normal_stress="600 Pa")
-    (fault,) = test.material_faults(ROUGH_SPHERES)
+    (fault,) = material_faults(test, ROUGH_SPHERES)
     assert fault.key == "normal_stress"
     assert "600 Pa is too much for a Young's modulus of 360000 Pa: E / stress is 600" in str(fault)
     assert "at least 420000 Pa" in fault.remedy
-    assert not list(Shear(BEADS).material_faults(ROUGH_SPHERES))
-    assert not list(test.material_faults({}))
+    assert not list(material_faults(Shear(BEADS), ROUGH_SPHERES))
+    assert not list(material_faults(test, {}))
     with pytest.raises(InputError, match="too much for a Young's modulus"):
         Lammps(test, ROUGH_SPHERES)
 
@@ -356,8 +358,8 @@ def test_particles_that_are_far_too_soft_fail_the_run(tmp_path):
 
 def test_check_tells_how_much_soft_particles_raise_the_density_in_shear():
     test = Shear(BEADS)
-    assert test.stiffness_number(ROUGH_SPHERES) == pytest.approx(720)
-    assert test.overlap_law.excess(720) == pytest.approx(0.091, abs=0.001)
+    assert stiffness_number(test, ROUGH_SPHERES) == pytest.approx(720)
+    assert overlap_law(test).excess(720) == pytest.approx(0.091, abs=0.001)
     targets = [gf.Target("shear_density", 1230), gf.Target("internal_friction_angle", 23.5)]
     problem = gf.Problem([gf.Parameter("particle.density", 2000, 2200)], targets)
     (note,) = stiffness_notes(problem, {"shear": test}, ROUGH_SPHERES)

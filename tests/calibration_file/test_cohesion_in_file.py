@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
@@ -181,7 +182,7 @@ def test_a_time_step_that_is_too_large_for_cohesion_is_named(tmp_path: Path) -> 
 def test_cohesion_and_low_restitution_shorten_the_time_step_that_is_the_default(
     tmp_path: Path, text: str, fraction: float
 ) -> None:
-    assert setup_of(tmp_path, text).bulk_tests["heap"].conditions.time_step_fraction == fraction
+    assert conditions_of(setup_of(tmp_path, text).bulk_tests["heap"]).time_step_fraction == fraction
 
 
 @pytest.mark.parametrize("energy", ['"0.1 J/m^2"', '{ min = 0, max = "0.1 J/m^2" }'])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.contact_models import messages as contact_messages
@@ -49,14 +50,14 @@ def test_low_restitution_shortens_the_time_step_that_is_the_default(tmp_path: Pa
     text = choosing("epsd2").replace("restitution = 0.79", "restitution = 0.1")
     heap = setup_of(tmp_path, text).bulk_tests["heap"]
 
-    assert heap.conditions.time_step_fraction == 0.1
+    assert conditions_of(heap).time_step_fraction == 0.1
 
 
 def test_a_given_time_step_is_kept(tmp_path: Path) -> None:
     text = choosing("epsd2").replace('"lammps"', '"lammps"\ntime_step_fraction = 0.1')
     heap = setup_of(tmp_path, text).bulk_tests["heap"]
 
-    assert heap.conditions.time_step_fraction == 0.1
+    assert conditions_of(heap).time_step_fraction == 0.1
 
 
 def test_the_usual_model_chosen_by_name_is_the_same_run(tmp_path: Path) -> None:

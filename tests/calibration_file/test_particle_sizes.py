@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.workload import workload
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.materials.size_classes import MOST_CLASSES
@@ -361,7 +362,7 @@ def seconds_of(sizes: gf.ParticleSizes) -> float:
         "particle.youngs_modulus": 1e7,
         "particle.poissons_ratio": 0.22,
     }
-    return Lammps.speed.cost(gf.tests.Packing(sizes).workload(material)).wall_seconds
+    return Lammps.speed.cost(workload(gf.tests.Packing(sizes), material)).wall_seconds
 
 
 def test_a_fine_class_of_a_list_has_its_price_too(written: Callable[..., Path]) -> None:

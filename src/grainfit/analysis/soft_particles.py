@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from itertools import product
 from math import sqrt
 
-from grainfit.bulk_tests.base import BulkTest, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
-from grainfit.bulk_tests.stiffness import OverlapLaw
+from grainfit.bulk_tests.stiffness import OverlapLaw, overlap_law, stiffness_number
 from grainfit.checks import Found, check
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, number
@@ -64,7 +65,7 @@ def stiffness_notes(
         return ()
     raised: dict[tuple[str, float], tuple[BulkTest, list[str]]] = {}
     for name, test in _raised_targets(problem, tests).items():
-        key = (test.overlap_law.symbol, test.stiffness_number(material))
+        key = (overlap_law(test).symbol, stiffness_number(test, material))
         raised.setdefault(key, (test, []))[1].append(name)
     within = {} if answer else intervals
     return tuple(
@@ -99,8 +100,8 @@ def _excesses(
     """Smallest and largest excess of the bulk density within intervals."""
     corners = product(*(within.get(name, (material[name],)) for name in (DENSITY, MODULUS)))
     found = [
-        test.overlap_law.excess(
-            test.stiffness_number({**material, DENSITY: density, MODULUS: modulus})
+        overlap_law(test).excess(
+            stiffness_number(test, {**material, DENSITY: density, MODULUS: modulus})
         )
         for density, modulus in corners
     ]
@@ -115,7 +116,7 @@ def _note(
     *,
     density_is_free: bool,
 ) -> str:
-    law, value = test.overlap_law, test.stiffness_number(material)
+    law, value = overlap_law(test), stiffness_number(test, material)
     least, most = _excesses(test, material, intervals)
     within = ""
     if least < most:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, Self, runtime_checkable
+from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
+from grainfit.errors import Fault
 from grainfit.options.fields import Amount, option_remarks
 from grainfit.scenes.scene import Scene
 
@@ -92,6 +93,35 @@ def options_for(test: type[Any], material: Mapping[str, float]) -> dict[str, Amo
         Material parameters by dotted name.
     """
     return test.options_for(material) if isinstance(test, AdaptsOptions) else {}
+
+
+@runtime_checkable
+class RefusesMaterials(Protocol):
+    """A test that means nothing with some materials."""
+
+    #: Parameters of which one end of an interval is the worse one: 0 the lower one, 1 the upper.
+    worse_ends: ClassVar[Mapping[str, int]]
+
+    def material_faults(self, material: Mapping[str, float]) -> Iterable[Fault]:
+        """Return why the test means nothing with a material."""
+
+
+def material_faults(test: object, material: Mapping[str, float]) -> Iterable[Fault]:
+    """Return why a test means nothing with a material; nothing for most tests.
+
+    Parameters
+    ----------
+    test : BulkTest
+        The test.
+    material : mapping of str to float
+        Material parameters by dotted name: those that are known.
+    """
+    return test.material_faults(material) if isinstance(test, RefusesMaterials) else ()
+
+
+def worse_ends(test: object) -> Mapping[str, int]:
+    """Return the parameters of which one end of an interval is the worse one for a test."""
+    return test.worse_ends if isinstance(test, RefusesMaterials) else {}
 
 
 @runtime_checkable

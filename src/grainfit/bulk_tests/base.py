@@ -9,22 +9,19 @@ documentation, units of tables of runs, and labels of plots.
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from copy import copy
-from dataclasses import InitVar, dataclass, field, fields, replace
+from dataclasses import InitVar, dataclass, fields, replace
 from functools import cache, cached_property
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests import messages
+from grainfit.bulk_tests.abilities import material_faults
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.refused_factor import with_factor
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, Sensitivities
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.setup import Setup
-from grainfit.bulk_tests.stiffness import UNDER_OWN_WEIGHT, OverlapLaw
-from grainfit.bulk_tests.view import RunView, Shown
-from grainfit.bulk_tests.workload import Workload
 from grainfit.checks import Check
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Measured
@@ -49,94 +46,6 @@ TIME_STEP_FRACTION = 0.12
 #: Parts of a test that can be of different materials, each with its walls in the scene.
 Parts = Mapping[str, tuple[str, ...]]
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
-
-
-@dataclass(frozen=True)
-class MeasuredInfo:
-    """Unit, symbol and description of a response of a bulk test.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit, degrees for angles.
-    symbol : str
-        As in ``"ρ_b"``, what follows the first ``_`` being the index.
-    description : str
-        Name, colon, explanation.
-    absent : str
-        Why a valid run may be without it; empty if none may. A run that needs it has failed then.
-    """
-
-    unit: str
-    symbol: str
-    description: str
-    absent: str = field(default="", kw_only=True)
-
-    @property
-    def words(self) -> str:
-        """The description as the beginning of a sentence."""
-        return self.description[:1].upper() + self.description[1:]
-
-
-@dataclass(frozen=True)
-class ResponseInfo(MeasuredInfo):
-    """A response of a bulk test that is one number.
-
-    Parameters
-    ----------
-    unit, symbol, description : str
-        As of a `MeasuredInfo`.
-    example : str
-        A target, as TOML.
-    sensitivities : Sensitivities, optional
-        Parameters that it responds to, and how much; None when that was not measured.
-    lowest, highest : float
-        Limits of what is physically possible.
-    above_zero : bool
-        Whether zero and negative values are impossible.
-    why : str
-        Why nothing else is possible, as a sentence.
-    at_zero : str
-        What a value of exactly 0 means, where it is easily taken for another one.
-    """
-
-    example: str
-    sensitivities: Sensitivities | None = None
-    lowest: float = -math.inf
-    highest: float = math.inf
-    above_zero: bool = True
-    why: str = ""
-    at_zero: str = ""
-
-    @property
-    def possible(self) -> Quantity:
-        """Values that are physically possible."""
-        return Quantity(self.unit, self.lowest, self.highest, self.above_zero, self.why)
-
-
-@dataclass(frozen=True)
-class CurveInfo(MeasuredInfo):
-    """A response of a bulk test over a coordinate.
-
-    Parameters
-    ----------
-    unit, symbol, description : str
-        Of the values, as of a `MeasuredInfo`.
-    coordinate, coordinate_unit : str
-        Name and SI unit of the coordinate.
-    """
-
-    coordinate: str
-    coordinate_unit: str
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """Conditions under which a test uses a material: a material card states them."""
-
-    sizes: ParticleSizes
-    gravity: float
-    time_step_fraction: float
 
 
 @dataclass(frozen=True)
@@ -170,13 +79,6 @@ class BulkTest(OneLine, ABC):
     #: Parts that can be of different materials, each with its walls in the scene, the part that
     #: touches most particles first; None where every wall of the scene is a part.
     parts: ClassVar[Parts | None] = None
-    #: View of its runs in a report; None when there is none.
-    shown: ClassVar[Shown | None] = None
-    #: Bulk density that overlaps of soft particles add, over `stiffness_number`.
-    overlap_law: ClassVar[OverlapLaw] = UNDER_OWN_WEIGHT
-    #: Parameters of which one end of an interval is the worse one for `material_faults`, by name:
-    #: 0 for the lower end, 1 for the upper.
-    worse_ends: ClassVar[Mapping[str, int]] = {}
     #: Checks of the test in a calibration, before any run.
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = ()
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
@@ -221,7 +123,7 @@ class BulkTest(OneLine, ABC):
             trial._require_possible()
         except InputError:
             return False
-        return not any(trial.material_faults({}))
+        return not any(material_faults(trial, {}))
 
     @classmethod
     def missing(cls) -> list[str]:
@@ -291,11 +193,6 @@ class BulkTest(OneLine, ABC):
         """Names of the responses; None if they are known only after a run."""
         return (*self.responses, *self.curves)
 
-    @property
-    def conditions(self) -> Conditions:
-        """Conditions under which the test uses the material."""
-        return Conditions(self.sizes, float(self.gravity), float(self.time_step_fraction))
-
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""
         return time_step(self._sizes_of(material), material, float(self.time_step_fraction))
@@ -317,31 +214,6 @@ class BulkTest(OneLine, ABC):
             The test is impossible with them; names every option at fault.
         """
         return replace(self, sizes=sizes)
-
-    def material_faults(self, material: Mapping[str, float]) -> Iterable[Fault]:  # noqa: ARG002
-        """Return why the test means nothing with a material; nothing by default.
-
-        Parameters
-        ----------
-        material : mapping of str to float
-            Material parameters by dotted name: those that are known.
-        """
-        return ()
-
-    def stiffness_number(self, material: Mapping[str, float]) -> float:
-        """Return Young's modulus over the stress that presses particles together.
-
-        By default E / (rho g d): over the weight of a particle on its cross-section. Overridden by
-        tests with another load than the weight of the bed.
-
-        Parameters
-        ----------
-        material : mapping of str to float
-            At least Young's modulus (Pa) and density (kg/m^3) of the particles, by dotted name.
-        """
-        conditions = self.conditions
-        weight = material[DENSITY] * conditions.gravity * conditions.sizes.sauter_diameter
-        return material[MODULUS] / weight
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment with a material.
@@ -403,40 +275,6 @@ class BulkTest(OneLine, ABC):
     @abstractmethod
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""
-
-    def workload(self, material: Mapping[str, float]) -> Workload:
-        """Estimate the amount of computation in one run.
-
-        Parameters
-        ----------
-        material : mapping of str to float
-            At least density, Young's modulus and Poisson's ratio of the particles.
-        """
-        step = self.time_step(material)
-        clump = self._sizes_of(material).clump
-        return Workload(
-            time_step=step,
-            steps=math.ceil(self.simulated_time(material) / step),
-            particles=self.number_of_particles,
-            spheres=1 if clump is None else len(clump),
-            time_step_fraction=self.conditions.time_step_fraction,
-        )
-
-    def view(self, run: RunOutput) -> RunView:
-        """Read the end of a run, to be drawn; for tests that have `shown`.
-
-        Raises
-        ------
-        NotMeasurableError, OSError
-            It is not there, or damaged.
-        """
-        raise NotImplementedError(f"{self.type} shows nothing of {run.folder}")
-
-
-def absent_responses(test: BulkTest | type[BulkTest]) -> dict[str, str]:
-    """Return the responses that a valid run of a test may be without, each with the reason."""
-    known = {**test.responses, **test.curves}
-    return {name: info.absent for name, info in known.items() if info.absent}
 
 
 @cache

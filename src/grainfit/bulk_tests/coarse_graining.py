@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
+from grainfit.bulk_tests.abilities import material_faults
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
@@ -38,7 +39,7 @@ def coarse_grained(test: _Test, factor: float, material: Mapping[str, float]) ->
         definition = {**test.definition(), **sizes.definition()}
         fewer = max(1, round(count / factor**3))
         coarser = test.from_definition({**definition, "particle_count": fewer})
-    if faults := [*coarser.material_faults(material)]:
+    if faults := [*material_faults(coarser, material)]:
         raise InputError(faults)
     return coarser
 

@@ -12,13 +12,14 @@ from importlib.metadata import entry_points
 from typing import Any, cast
 
 from grainfit.bulk_tests import messages, own_scene
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.compression import Compression as Compression
 from grainfit.bulk_tests.discharge import Discharge as Discharge
 from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
 from grainfit.bulk_tests.drum import Drum as Drum
 from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.bulk_tests.packing import Packing as Packing
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shear import Shear as Shear
 from grainfit.errors import Fault, InputError
 from grainfit.registration import incomplete, require_complete, require_unique

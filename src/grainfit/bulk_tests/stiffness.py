@@ -8,7 +8,14 @@ angle of repose of a heap does not depend on it, its bulk density does.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
+
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+
+if TYPE_CHECKING:
+    from grainfit.bulk_tests.base import BulkTest
 
 
 @dataclass(frozen=True)
@@ -100,3 +107,37 @@ IN_SHEAR = OverlapLaw(
     "E/normal stress",
     (*((700 * 2**n, 7.3 * (700 * 2**n) ** (-2 / 3)) for n in range(9)), (512_000, 0.0)),
 )
+
+
+@runtime_checkable
+class UnderLoad(Protocol):
+    """A test in which more than the weight of the bed presses particles together."""
+
+    #: Bulk density that overlaps of soft particles add, over `stiffness_number`.
+    overlap_law: ClassVar[OverlapLaw]
+
+    def stiffness_number(self, material: Mapping[str, float]) -> float:
+        """Return Young's modulus over the stress that presses particles together."""
+
+
+def overlap_law(test: BulkTest) -> OverlapLaw:
+    """Return the bulk density that overlaps of soft particles add in a test."""
+    return test.overlap_law if isinstance(test, UnderLoad) else UNDER_OWN_WEIGHT
+
+
+def stiffness_number(test: BulkTest, material: Mapping[str, float]) -> float:
+    """Return Young's modulus over the stress that presses the particles of a test together.
+
+    For most tests E / (rho g d): over the weight of a particle on its cross-section.
+
+    Parameters
+    ----------
+    test : BulkTest
+        The test.
+    material : mapping of str to float
+        At least Young's modulus (Pa) and density (kg/m^3) of the particles, by dotted name.
+    """
+    if isinstance(test, UnderLoad):
+        return test.stiffness_number(material)
+    weight = material[DENSITY] * float(test.gravity) * test.sizes.sauter_diameter
+    return material[MODULUS] / weight

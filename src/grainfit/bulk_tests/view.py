@@ -6,11 +6,12 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Protocol, Self, runtime_checkable
 
 from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.drawing import Drawing
 from grainfit.measurement.particles import Particles
+from grainfit.scenes.run_output import RunOutput
 
 #: A polyline in space, m.
 Outline = Sequence[tuple[float, float, float]]
@@ -96,3 +97,25 @@ def raised(flank: Flank, height: float) -> Flank:
     """Return a flank that is higher by this height, m."""
     (x1, z1), (x2, z2) = flank.start, flank.end
     return Flank(flank.angle, (x1, z1 + height), (x2, z2 + height))
+
+
+@runtime_checkable
+class CanBeShown(Protocol):
+    """A test whose runs a report shows."""
+
+    #: Files and response to show.
+    shown: ClassVar[Shown]
+
+    def view(self, run: RunOutput) -> RunView:
+        """Read the end of a run, to be drawn.
+
+        Raises
+        ------
+        NotMeasurableError, OSError
+            It is not there, or damaged.
+        """
+
+
+def shown(test: object) -> Shown | None:
+    """Return what a report shows of the runs of a test, or of its class; None if nothing."""
+    return test.shown if isinstance(test, CanBeShown) else None

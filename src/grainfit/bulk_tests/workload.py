@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from grainfit.materials.particle_shape import ASPECT_RATIO
+
+if TYPE_CHECKING:
+    from grainfit.bulk_tests.base import BulkTest
 
 
 @dataclass(frozen=True)
@@ -28,3 +36,24 @@ class Workload:
     particles: int
     spheres: int
     time_step_fraction: float
+
+
+def workload(test: BulkTest, material: Mapping[str, float]) -> Workload:
+    """Estimate the amount of computation in one run of a test.
+
+    Parameters
+    ----------
+    test : BulkTest
+        The test.
+    material : mapping of str to float
+        At least density, Young's modulus and Poisson's ratio of the particles.
+    """
+    step = test.time_step(material)
+    clump = test.sizes.with_aspect_ratio(material.get(ASPECT_RATIO)).clump
+    return Workload(
+        time_step=step,
+        steps=math.ceil(test.simulated_time(material) / step),
+        particles=test.number_of_particles,
+        spheres=1 if clump is None else len(clump),
+        time_step_fraction=float(test.time_step_fraction),
+    )

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import product
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.contact_models.cohesive_contacts import (
@@ -60,7 +61,7 @@ def cohesion_lines(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) ->
     # The most slender clumps have the smallest spheres.
     aspect_ratio = {**file.fixed, **largest}.get(ASPECT_RATIO)
     conditions = dict.fromkeys(
-        (t.conditions.gravity, t.conditions.sizes.real.with_aspect_ratio(aspect_ratio))
+        (conditions_of(t).gravity, conditions_of(t).sizes.real.with_aspect_ratio(aspect_ratio))
         for t in bulk_tests.values()
     )
     for gravity, sizes in conditions:

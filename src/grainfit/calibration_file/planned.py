@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grainfit.bulk_tests.accuracy import Accuracy
-from grainfit.bulk_tests.base import ResponseInfo
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.calibration_file.accuracies import Accuracies, accuracy_of
 from grainfit.calibration_file.build import build_solvers
 from grainfit.calibration_file.content import CalibrationFile, PlannedTarget

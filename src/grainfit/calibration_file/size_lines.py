@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.workload import workload
 from grainfit.errors import InputError
 from grainfit.formatting import millimetres, percent
 from grainfit.materials.sizes import ParticleSizes
@@ -77,4 +78,4 @@ def _with_sizes(tests: list[BulkTest], sizes: ParticleSizes) -> list[BulkTest]:
 
 def _seconds(tests: list[BulkTest], material: Mapping[str, float]) -> float:
     """Return the estimated time of a run of each test; only ratios have a meaning."""
-    return sum(_ANY_SPEED.cost(test.workload(material)).wall_seconds for test in tests)
+    return sum(_ANY_SPEED.cost(workload(test, material)).wall_seconds for test in tests)

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from grainfit.bulk_tests.base import BulkTest, CurveInfo
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.bulk_tests.response_info import CurveInfo
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
 from grainfit.calibration_file.curves import (

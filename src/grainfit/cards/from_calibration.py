@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 
-from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, Conditions
+from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION
+from grainfit.bulk_tests.conditions import Conditions, conditions_of
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.cards import messages
 from grainfit.contact_models.registry import in_order, material_parameter
@@ -114,7 +115,7 @@ def _conditions(reading: SavedCalibration) -> list[Conditions]:
     except InputError as error:
         folder = str(reading.folder)
         raise StoreError(messages.OTHER_DEFINITION(folder=folder, error=error)) from error
-    return list(dict.fromkeys(test.conditions for test in tests if test is not None))
+    return list(dict.fromkeys(conditions_of(test) for test in tests if test is not None))
 
 
 def _sizes(

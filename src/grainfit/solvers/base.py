@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from grainfit.bulk_tests.workload import workload
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
 from grainfit.one_line import one_line
@@ -228,7 +229,7 @@ class Solver(ABC):
         material : mapping of str to float
             At least density, Young's modulus and Poisson's ratio of the particles.
         """
-        return self.speed.cost(test.workload(material))
+        return self.speed.cost(workload(test, material))
 
     def default_timeout(self, parameters: Mapping[str, float]) -> float | None:  # noqa: ARG002
         """Return the default time-out of a run, s; None for no time-out."""

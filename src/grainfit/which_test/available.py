@@ -6,9 +6,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from grainfit.bulk_tests.abilities import options_for
+from grainfit.bulk_tests.abilities import material_faults, options_for
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import sized_for
+from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
@@ -154,7 +155,7 @@ class _Maker:
         return with_plain_wall(self.material, self._usual_wall)
 
     def solver(self, kind: type[BulkTest], options: Mapping[str, Any]) -> Solver:
-        like = self.test.conditions
+        like = conditions_of(self.test)
         test = sized_for(
             kind,
             like.sizes,
@@ -162,7 +163,7 @@ class _Maker:
             time_step_fraction=like.time_step_fraction,
             **options,
         )
-        if faults := [*test.material_faults(self.plain_material)]:
+        if faults := [*material_faults(test, self.plain_material)]:
             raise InputError(faults)
         fixed = {name: value for name, value in self.material.items() if name not in self.free}
         models = self.program.model().get("contact_models", ())

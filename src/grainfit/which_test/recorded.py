@@ -11,7 +11,7 @@ from dataclasses import fields
 
 from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.accuracy import Accuracy
-from grainfit.bulk_tests.base import ResponseInfo
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import VARIED, WALL_SLIDING
 from grainfit.contact_models.registry import COHESION
 from grainfit.materials.walls import PLAIN, on_wall, plain_name

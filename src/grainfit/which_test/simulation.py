@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from grainfit.bulk_tests.accuracy import Accuracy
-from grainfit.bulk_tests.base import ResponseInfo
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import InputError

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest, absent_responses
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.bulk_tests.response_info import absent_responses
 from grainfit.campaign.absent_responses import why_absent
 from grainfit.campaign.work_folder import RECORD_NAME, read_record
 from grainfit.errors import InputError, NotMeasurableError

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.compression.curve import (
     COLUMNS,
@@ -21,6 +21,7 @@ from grainfit.bulk_tests.compression.curve import (
 from grainfit.bulk_tests.compression.picture import draw_compression
 from grainfit.bulk_tests.compression.setup import CompressionSetup
 from grainfit.bulk_tests.compression.view import CompressionView
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import (
     DENSITY,
     MODULUS,

@@ -8,10 +8,11 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup
 from grainfit.bulk_tests.discharge.view import DischargeView
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,

@@ -10,12 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.bulk_tests.base import BulkTest, Parts, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
 from grainfit.bulk_tests.draw_down.smooth_walls import smooth_walls
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,

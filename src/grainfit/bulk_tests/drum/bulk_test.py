@@ -10,11 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate

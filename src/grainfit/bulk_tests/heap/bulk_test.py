@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, CurveInfo, Parts, ResponseInfo, absent_responses
+from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo, absent_responses
 from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, settling_option
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY

@@ -10,18 +10,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn, Self
 
-from grainfit.bulk_tests.base import (
-    GRAVITY,
-    TIME_STEP_FRACTION,
-    BulkTest,
-    ResponseInfo,
-    read_sizes,
-)
+from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest, read_sizes
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.user_function import call
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check, Found, check
 from grainfit.contact_models.registry import with_defaults

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, Parts, ResponseInfo
+from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared import messages
 from grainfit.bulk_tests.shared.filling import (

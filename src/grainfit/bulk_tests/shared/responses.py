@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grainfit.bulk_tests.base import ResponseInfo
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 
 #: Of a bed that is poured into an upright cylinder.

@@ -11,13 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from grainfit.bulk_tests.abilities import LocusPoint
-from grainfit.bulk_tests.base import (
-    GRAVITY,
-    LOWEST_GRAVITY,
-    BulkTest,
-    Parts,
-    ResponseInfo,
-)
+from grainfit.bulk_tests.base import GRAVITY, LOWEST_GRAVITY, BulkTest, Parts
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate

@@ -49,7 +49,7 @@ class FileContext(CheckContext):
     @property
     def time_step_fractions(self) -> dict[str, float]:
         """Time step over the Rayleigh time step of each bulk test."""
-        return {name: test.conditions.time_step_fraction for name, test in self.bulk_tests.items()}
+        return {name: float(test.time_step_fraction) for name, test in self.bulk_tests.items()}
 
 
 def context_of(

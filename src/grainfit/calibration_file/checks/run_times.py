@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.abilities import material_faults, user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
@@ -81,8 +82,8 @@ def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
     try:
         needed = max(
             modulus
-            * test.overlap_law.number_with(_TOLERATED_EXCESS)
-            / test.stiffness_number(_material(context, solver))
+            * overlap_law(test).number_with(_TOLERATED_EXCESS)
+            / stiffness_number(test, _material(context, solver))
             for _, solver, test in tests
         )
         if needed >= _WORTH_IT * modulus or any(_refuses(context, needed, *one) for one in tests):
@@ -135,7 +136,7 @@ def _refuses(
     context: FileContext, modulus: float, _name: str, solver: Solver, test: BulkTest
 ) -> bool:
     """Return whether a test means nothing with particles of a Young's modulus."""
-    return any(test.material_faults({**_material(context, solver), MODULUS: modulus}))
+    return any(material_faults(test, {**_material(context, solver), MODULUS: modulus}))
 
 
 def _material(context: FileContext, solver: Solver) -> dict[str, float]:

@@ -7,6 +7,7 @@ from math import ceil, floor, log10
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import COHESION
@@ -81,7 +82,7 @@ def _excess(test: BulkTest, material: Mapping[str, float]) -> float:
     """Return the bulk density that overlaps of soft particles add, as a share."""
     if material.get(MODULUS, 0.0) <= 0:
         return 0.0
-    return test.overlap_law.excess(test.stiffness_number(material))
+    return overlap_law(test).excess(stiffness_number(test, material))
 
 
 def _is_cohesive(ends: Mapping[str, tuple[float, float]]) -> bool:

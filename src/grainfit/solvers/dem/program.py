@@ -18,9 +18,12 @@ from typing import Any, ClassVar, Self
 
 from typing_extensions import override
 
-from grainfit.bulk_tests.abilities import user_functions
-from grainfit.bulk_tests.base import BulkTest, absent_responses
+from grainfit.bulk_tests.abilities import material_faults, user_functions, worse_ends
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.outline import concepts
+from grainfit.bulk_tests.response_info import absent_responses
+from grainfit.bulk_tests.workload import workload
 from grainfit.contact_models.cohesive_contacts import overlap_faults
 from grainfit.contact_models.registry import (
     COHESION,
@@ -272,13 +275,13 @@ class DeckSolver(Solver):
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
         """Return why the test means nothing with a material at an end of the intervals."""
         faults: list[Fault] = []
-        worse = self.test.worse_ends
+        worse = worse_ends(self.test)
         for ratio in intervals.get(ASPECT_RATIO, ()):
             faults += aspect_ratio_faults(self.test.sizes.shape, ratio)
         for end in (0, 1):
             values = {name: ends[worse.get(name, end)] for name, ends in intervals.items()}
             material = self._parts.material_of_test({**self.material, **values})
-            faults += self.test.material_faults(material)
+            faults += material_faults(self.test, material)
         # The most slender clumps have the smallest spheres.
         largest = {*COHESION, ASPECT_RATIO}
         softest = {name: ends[plain_name(name) in largest] for name, ends in intervals.items()}
@@ -287,11 +290,11 @@ class DeckSolver(Solver):
 
     def _material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why the test means nothing with a material."""
-        yield from self.test.material_faults(self._parts.material_of_test(material))
+        yield from material_faults(self.test, self._parts.material_of_test(material))
         yield from self._cohesion_faults(material)
 
     def _cohesion_faults(self, material: Mapping[str, float]) -> list[Fault]:
-        values, conditions = with_defaults(material), self.test.conditions
+        values, conditions = with_defaults(material), conditions_of(self.test)
         law = contact_law(values, self.contact_models)
         sizes, ratio = conditions.sizes.real, values.get(ASPECT_RATIO, 1.0)
         if law.cohesion is None or aspect_ratio_faults(sizes.shape, ratio):
@@ -397,7 +400,7 @@ class DeckSolver(Solver):
 
     @override
     def estimate_cost_of(self, test: BulkTest, material: Mapping[str, float]) -> RunCost:
-        return self.speed.cost(test.workload(material), self.ranks)
+        return self.speed.cost(workload(test, material), self.ranks)
 
     @override
     def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from grainfit.bulk_tests.registry import bulk_tests, class_of_test
-from grainfit.bulk_tests.view import RunView
+from grainfit.bulk_tests.view import RunView, shown
 from grainfit.formatting import in_a_row, number, plain, unit_for_people, with_unit
 from grainfit.measurement.drawing import Drawing
 from grainfit.plots.labels import Label
@@ -77,7 +77,7 @@ def particles(context: ReportContext) -> Section:
         view, scenes = _view(context, key, test if len(tests) > 1 else "", runs)
         views.append(view)
         data.update(scenes)
-    drawn = [name for name, test in bulk_tests().items() if test.shown is not None]
+    drawn = [name for name, test in bulk_tests().items() if shown(test) is not None]
     nouns = dict.fromkeys(view.noun for view in views)
     html = fill_template(
         "particles/page", views=views, begun=bool(reading.evaluations), drawn=in_a_row(drawn, "or")

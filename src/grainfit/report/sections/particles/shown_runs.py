@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from grainfit.bulk_tests.registry import class_of_test, recreate_test
-from grainfit.bulk_tests.view import RunView, Shown
+from grainfit.bulk_tests.view import CanBeShown, RunView, Shown, shown
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.work_folder import run_folder
 from grainfit.errors import InputError, NotMeasurableError
@@ -111,14 +111,15 @@ def shown_runs(
 
 def _shown(record: RunRecord) -> Shown | None:
     test = class_of_test(record.definition)
-    return None if test is None or test.shown is None else test.shown.of(record.responses)
+    found = shown(test)
+    return None if found is None else found.of(record.responses)
 
 
 def read_view(run: ShownRun) -> RunView | None:
     """Read the end of a run; None when it is missing or damaged."""
     try:
         test = recreate_test(run.record.definition)
-        return None if test is None else test.view(RunOutput(run.folder))
+        return test.view(RunOutput(run.folder)) if isinstance(test, CanBeShown) else None
     except (InputError, NotMeasurableError, OSError):
         return None
 

@@ -1,0 +1,98 @@
+"""What is known of the responses of a bulk test before any run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from grainfit.bulk_tests.sensitivities import Sensitivities
+from grainfit.options.kinds import Quantity
+
+if TYPE_CHECKING:
+    from grainfit.bulk_tests.base import BulkTest
+
+
+@dataclass(frozen=True)
+class MeasuredInfo:
+    """Unit, symbol and description of a response of a bulk test.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit, degrees for angles.
+    symbol : str
+        As in ``"ρ_b"``, what follows the first ``_`` being the index.
+    description : str
+        Name, colon, explanation.
+    absent : str
+        Why a valid run may be without it; empty if none may. A run that needs it has failed then.
+    """
+
+    unit: str
+    symbol: str
+    description: str
+    absent: str = field(default="", kw_only=True)
+
+    @property
+    def words(self) -> str:
+        """The description as the beginning of a sentence."""
+        return self.description[:1].upper() + self.description[1:]
+
+
+@dataclass(frozen=True)
+class ResponseInfo(MeasuredInfo):
+    """A response of a bulk test that is one number.
+
+    Parameters
+    ----------
+    unit, symbol, description : str
+        As of a `MeasuredInfo`.
+    example : str
+        A target, as TOML.
+    sensitivities : Sensitivities, optional
+        Parameters that it responds to, and how much; None when that was not measured.
+    lowest, highest : float
+        Limits of what is physically possible.
+    above_zero : bool
+        Whether zero and negative values are impossible.
+    why : str
+        Why nothing else is possible, as a sentence.
+    at_zero : str
+        What a value of exactly 0 means, where it is easily taken for another one.
+    """
+
+    example: str
+    sensitivities: Sensitivities | None = None
+    lowest: float = -math.inf
+    highest: float = math.inf
+    above_zero: bool = True
+    why: str = ""
+    at_zero: str = ""
+
+    @property
+    def possible(self) -> Quantity:
+        """Values that are physically possible."""
+        return Quantity(self.unit, self.lowest, self.highest, self.above_zero, self.why)
+
+
+@dataclass(frozen=True)
+class CurveInfo(MeasuredInfo):
+    """A response of a bulk test over a coordinate.
+
+    Parameters
+    ----------
+    unit, symbol, description : str
+        Of the values, as of a `MeasuredInfo`.
+    coordinate, coordinate_unit : str
+        Name and SI unit of the coordinate.
+    """
+
+    coordinate: str
+    coordinate_unit: str
+
+
+def absent_responses(test: BulkTest | type[BulkTest]) -> dict[str, str]:
+    """Return the responses that a valid run of a test may be without, each with the reason."""
+    known = {**test.responses, **test.curves}
+    return {name: info.absent for name, info in known.items() if info.absent}
