@@ -437,8 +437,8 @@ def test_the_budget_holds_with_verification_and_second_thoughts(seed: int) -> No
         return {"y": 10 + 8 * parameters["x"] ** 2 + 1.5 * random.standard_normal()}
 
     tight = gf.Problem([gf.Parameter("x", 0, 1)], [gf.Target("y", 12.0, tolerance=0.1)])
-    result = gf.calibrate(tight, rough, seed=seed, max_runs=40)
-    assert result.runs.total <= 40
+    result = gf.calibrate(tight, rough, seed=seed, max_runs=28)
+    assert result.runs.total <= 28
     assert result.status == "undecided"
     assert [reason.kind for reason in result.reasons][-1] == "too much scatter"
 

@@ -97,7 +97,7 @@ def test_a_notebook_shows_a_bar_and_the_result_as_a_table() -> None:
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(c) for c in NOTEBOOK])
     spec = {"display_name": "p", "language": "python", "name": "python3"}
     notebook.metadata["kernelspec"] = spec
-    client = nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3")
+    client = nbclient.NotebookClient(notebook, timeout=60, kernel_name="python3")
     client.create_kernel_manager()
     client.km.kernel_spec.argv[0] = sys.executable
     client.execute()

@@ -150,7 +150,8 @@ def test_time_out_ends_the_whole_family(tmp_path):
         run_process(python(STUBBORN_FAMILY), Workspace(tmp_path, timeout=1.0))
 
     assert caught.value.kind == "timeout"
-    assert 1.0 <= time.monotonic() - started < 6.0
+    # The family would go on for ten minutes.
+    assert 1.0 <= time.monotonic() - started < 60.0
     leader, child = pids_in(tmp_path)
     assert not is_running(leader)
     assert wait_for(lambda: not is_running(child))
@@ -219,7 +220,7 @@ def test_program_that_ignores_the_request_to_end_is_killed(tmp_path):
     with pytest.raises(RunFailedError, match=messages.TOO_LONG.pattern):
         run_process(python(code), Workspace(tmp_path, timeout=1.0))
 
-    assert time.monotonic() - started < 6.0
+    assert time.monotonic() - started < 60.0
 
 
 def test_tail_of_a_log(tmp_path):
