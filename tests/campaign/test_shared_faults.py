@@ -178,7 +178,7 @@ def test_a_server_that_stays_away_costs_nothing_that_is_finished(
 
     disturbed = Disturbed(stop_once)
     try:
-        with pytest.raises(StoreError, match="Check that the database server runs") as caught:
+        with pytest.raises(StoreError, match=messages.CHECK_SERVER.pattern) as caught:
             disturbed.calibrate(tmp_path, server.url)
     finally:
         server.start()

@@ -19,6 +19,7 @@ from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.prime_seed import prime_seeds
+from grainfit.solvers.process import messages as process_messages
 from grainfit.testing.solver_contract import ProcessSolverContract
 
 PYTHON = sys.executable
@@ -231,7 +232,9 @@ def test_what_the_user_left_from_trying_by_hand_does_not_matter(tmp_path):
 
     assert solver.definition({"x": 1.0}, 1) == before
     where = workspace(tmp_path)
-    with pytest.raises(RunFailedError, match=r"without writing responses\.json"):
+    with pytest.raises(
+        RunFailedError, match=re.escape(messages.NOTHING_WRITTEN(file="responses.json", left=""))
+    ):
         solver.run({"x": 1.0}, 1, where)
     assert "x equal 1.0" in (where.folder / "parameters.inc").read_text()
 
@@ -320,7 +323,7 @@ def test_model_that_is_changed_while_the_calibration_runs_is_noticed(tmp_path):
     solver.definition({"x": 1.0}, 1)
     (folder / "model.py").write_text(f"x = 2\n{WRITE.format({'a': 2.0})}")
 
-    with pytest.raises(RunFailedError, match="were changed") as caught:
+    with pytest.raises(RunFailedError, match=messages.CHANGED_MODEL.pattern) as caught:
         run(solver, tmp_path, x=1.0)
 
     # Not the run's fault: it is made again when the calibration is started again.
@@ -375,9 +378,9 @@ def test_unusable_responses_are_a_failed_evaluation(tmp_path, written, said):
         ("return None", "not responses by name", None),
         ("return {'a': float('nan')}", "response a from evaluate.py:measure is nan", None),
         ("return {'a': object()}", "a response cannot be of type object", None),
-        ("import os; os._exit(0)", "without writing", None),
+        ("import os; os._exit(0)", messages.NOTHING_WRITTEN.pattern, None),
         ("import os; os.abort()", "killed by SIGABRT", None),
-        ("import sys; sys.exit(4)", "exit code 4", None),
+        ("import sys; sys.exit(4)", process_messages.EXIT_CODE(code=4), None),
         ("import os; os.kill(os.getpid(), 9)", "killed by SIGKILL", "machine"),
     ],
 )
@@ -419,7 +422,7 @@ def test_result_of_the_simulation_does_not_pass_for_that_of_the_evaluation(tmp_p
     )
     solver = Command(folder, ["python3", "model.py"], evaluate="evaluate.py:measure")
 
-    with pytest.raises(RunFailedError, match="without writing"):
+    with pytest.raises(RunFailedError, match=messages.NOTHING_WRITTEN.pattern):
         run(solver, tmp_path)
 
 
@@ -468,7 +471,7 @@ def test_cancelling_reaches_the_evaluation(tmp_path):
 def test_command_that_fails_tells_its_exit_code_and_last_lines(tmp_path):
     folder = model_folder(tmp_path, model__py="print('ERROR: lost atoms'); raise SystemExit(1)")
 
-    with pytest.raises(RunFailedError, match="ended with exit code 1") as caught:
+    with pytest.raises(RunFailedError, match=process_messages.EXIT_CODE(code=1)) as caught:
         run(Command(folder, ["python3", "model.py"]), tmp_path)
 
     assert "ERROR: lost atoms" in caught.value.log_tail
@@ -597,7 +600,7 @@ def test_names_that_cannot_be_told_apart(tmp_path, names, said):
 
 
 @pytest.mark.parametrize("command", [[], "lmp -in deck", ["lmp", ""], [""]])
-def test_command_must_be_a_list_of_words(tmp_path, command):
+def test_command_must_be_a_list_of_texts(tmp_path, command):
     with pytest.raises(InputError, match=messages.NO_COMMAND.pattern):
         Command(tmp_path, command)
 

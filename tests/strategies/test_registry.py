@@ -68,7 +68,7 @@ def test_what_makes_no_sense_is_refused_by_its_key(
     assert all(fault.remedy for fault in caught.value.faults)
 
 
-def test_unknown_words_are_answered_with_the_known_ones() -> None:
+def test_unknown_names_are_answered_with_the_known_ones() -> None:
     with pytest.raises(InputError, match=messages.UNKNOWN_STRATEGY.pattern):
         make_strategy("bayesian", {})
     with pytest.raises(InputError, match="time_step, accuracy"):
@@ -204,10 +204,10 @@ app(["run", "--help"])
     ("entry", "why"),
     [
         ("broken = patience:Impatient", "Impatient"),
-        ("broken = patience:Patient", "calls it 'patient'"),
+        ("broken = patience:Patient", messages.OTHER_NAME(name="patient")),
         ("broken = patience:Unfinished", "is incomplete: name is missing, start is missing"),
-        ("broken = patience:option", "no subclass"),
-        ("staged = patience:Patient", "another one of this name"),
+        ("broken = patience:option", messages.NO_SUBCLASS()),
+        ("staged = patience:Patient", messages.NAME_TAKEN()),
     ],
 )
 def test_one_that_cannot_be_used_is_left_out_with_a_warning(

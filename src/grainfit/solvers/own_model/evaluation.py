@@ -133,14 +133,13 @@ def responses_in(
         wanted = None if expected is None else [name for name in expected if name in there]
         return read_responses(found, wanted, origin)
     except FileNotFoundError:
-        left = _left(file.parent, known)
-        reason = f"the command ended without writing {file.name}; it left {left}"
+        reason = messages.NOTHING_WRITTEN(file=file.name, left=_left(file.parent, known))
     except OSError as error:
-        reason = f"{file.name} cannot be read: {error.strerror}"
+        reason = messages.RESPONSES_UNREADABLE(file=file.name, reason=error.strerror)
     except JSONDecodeError as error:
-        reason = f"{file.name} is not valid JSON (cut short?): {error}"
+        reason = messages.CUT_SHORT(file=file.name, reason=error)
     except (ValueError, RecursionError) as error:
-        reason = f"{file.name} is not valid JSON: {error}"
+        reason = messages.NO_JSON(file=file.name, reason=error)
     except GrainfitError as error:
         reason = str(error)
     raise RunFailedError(reason, tail, "evaluation")

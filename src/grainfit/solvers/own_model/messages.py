@@ -72,6 +72,10 @@ FUNCTION_OUTSIDE = Message(
 CHANGED_MODEL = Message(
     "the files in {folder} were changed while the calibration is running; start it again"
 )
+NOTHING_WRITTEN = Message("the command ended without writing {file}; it left {left}")
+RESPONSES_UNREADABLE = Message("{file} cannot be read: {reason}")
+CUT_SHORT = Message("{file} is not valid JSON (cut short?): {reason}")
+NO_JSON = Message("{file} is not valid JSON: {reason}")
 TWO_VALUES = Message("both {first} and {second} return the response {name}, with different values")
 EVALUATION_TOO_LONG = Message(
     "simulation and evaluation took longer than the time-out of {timeout:g} s"
