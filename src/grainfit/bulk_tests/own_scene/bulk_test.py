@@ -15,6 +15,7 @@ from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
+from grainfit.bulk_tests.own_scene.trial import require_return
 from grainfit.bulk_tests.own_scene.user_function import call
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.view import Shown
@@ -272,6 +273,7 @@ class OwnScene(BulkTest):
             "options": dict(self.options),
         }
         words = f"{function.function}() in {function.path.name}"
+        require_return(function, possible)
         found = call(function, possible)
         if not isinstance(found, Scene):
             kind = f"{words} gave {type(found).__name__}, not a Scene"

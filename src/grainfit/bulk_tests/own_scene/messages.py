@@ -7,3 +7,10 @@ from grainfit.messages import Message
 NO_SCENE = Message(
     "{reason}.",
 )
+
+ENDS_PYTHON = Message(
+    "{function} ends Python ({how}).", "Let it return, or raise an error that says what is wrong."
+)
+NEVER_RETURNS = Message(
+    "{function} did not return within {limit:g} s.", "Look for a loop without end."
+)
