@@ -8,6 +8,7 @@ import pytest
 from given_metamodels import Given, given, unit_parameters
 from scipy.stats import truncnorm
 
+from grainfit.analysis import messages
 from grainfit.analysis.ensemble import sample_cube
 from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.errors import InputError
@@ -149,7 +150,7 @@ def test_values_are_in_si_and_a_logarithmic_scale_is_even_in_magnitudes() -> Non
     assert posterior.interval("mu", 0.5) == pytest.approx((0.3, 0.5), abs=0.03)
     with pytest.raises(InputError, match=r"'nu' is no free parameter. Use E, mu"):
         posterior.median("nu")
-    with pytest.raises(InputError, match="between 0 and 1"):
+    with pytest.raises(InputError, match=messages.BAD_LEVEL.pattern):
         posterior.interval("mu", 95)
 
 

@@ -17,6 +17,7 @@ import pytest
 import needs
 from grainfit.animation import drawn_film, messages
 from grainfit.bulk_tests.heap import Heap
+from grainfit.cli import messages as cli_messages
 from grainfit.errors import InputError
 from grainfit.scenes.film import FILM, Film, filmed
 from grainfit.scenes.run_output import RunOutput
@@ -200,7 +201,7 @@ def test_models_of_the_user_and_many_runs_are_refused(tmp_path: Path) -> None:
         raise_again(file, "--animate")
     with pytest.raises(InputError, match=r"--animate shows one run.*--seed"):
         raise_again(calibration(tmp_path, HEAP), "--animate", "--repeat", "2")
-    with pytest.raises(InputError, match="--frames is for --animate"):
+    with pytest.raises(InputError, match=cli_messages.FRAMES_WITHOUT_ANIMATION.pattern):
         raise_again(file, "--frames", "20")
     assert not run_folders(file)
 

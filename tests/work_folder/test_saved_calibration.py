@@ -12,6 +12,7 @@ import pytest
 
 import grainfit
 from grainfit.calibration.provenance import Provenance
+from grainfit.campaign import messages as store_messages
 from grainfit.errors import StoreError
 from grainfit.solvers.own_model.command import Command
 from grainfit.work_folder import messages
@@ -92,7 +93,7 @@ def test_intervals_hold_what_was_asked_for_beyond_a_bound_that_was_moved(tmp_pat
 
 
 def test_folders_without_a_calibration_are_named(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match="is not a work folder"):
+    with pytest.raises(StoreError, match=store_messages.NO_WORK_FOLDER.pattern):
         SavedCalibration.open(tmp_path / "none")
     grainfit.calibrate(PROBLEM, simulate, workdir=tmp_path)
     with sqlite3.connect(tmp_path / "runs.sqlite") as connection:

@@ -15,6 +15,7 @@ import pytest
 from rich.console import Console
 
 import grainfit
+from grainfit.campaign import messages
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
@@ -94,7 +95,7 @@ def test_status_of_a_killed_calibration_sees_its_latest_run_and_changes_no_file(
 
 def test_status_before_the_store_is_written(tmp_path: Path) -> None:
     (tmp_path / "runs.sqlite").touch()
-    with pytest.raises(StoreError, match="nothing was run yet"):
+    with pytest.raises(StoreError, match=messages.STORE_EMPTY.pattern):
         read_status(tmp_path)
     assert (tmp_path / "runs.sqlite").stat().st_size == 0
 
@@ -112,7 +113,7 @@ def test_a_look_at_the_lock_does_not_refuse_a_run(tmp_path: Path) -> None:
 def test_a_folder_in_use_is_refused_soon(tmp_path: Path) -> None:
     with hold(tmp_path):
         began = time.monotonic()
-        with pytest.raises(StoreError, match="in use by process"), hold(tmp_path):
+        with pytest.raises(StoreError, match=messages.FOLDER_IN_USE.pattern), hold(tmp_path):
             pass
         assert time.monotonic() - began < 5
 
