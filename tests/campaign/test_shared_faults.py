@@ -267,15 +267,13 @@ def test_ctrl_c_ends_a_calibration_whose_server_hangs(
     try:
         wait_for(lambda: started.exists() or process.poll() is not None)
         forwarder.swallows = True
-        asked = time.monotonic()
         process.send_signal(signal.SIGINT)
+        # A few seconds, unless the machine is busy: the server is asked to release the claims.
         output, _ = process.communicate(timeout=PATIENCE)
     finally:
         process.kill()
     assert process.returncode == 130, output
     assert "Traceback" not in output
-    # A few seconds, unless the machine is busy: the server is asked to release the claims.
-    assert time.monotonic() - asked < 30
 
 
 # Owners ------------------------------------------------------------------------------------------
