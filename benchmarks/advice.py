@@ -35,7 +35,7 @@ from grainfit.bulk_tests.sensitivities import (
 from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.testing.materials import ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from grainfit.which_test.candidate import Candidate
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.simulation import Simulation, candidates_from_runs
@@ -62,7 +62,9 @@ def solver(name: str) -> Solver:
     """Return the test on LAMMPS, with the modulus that it needs."""
     fixed = {n: v for n, v in ROUGH_SPHERES.items() if n not in PARAMETERS}
     fixed[MODULUS] = MODULI.get(name, ROUGH_SPHERES[MODULUS])
-    return Lammps(bulk_tests()[name](diameter="10 mm"), fixed)
+    return Lammps(
+        bulk_tests()[name](diameter="10 mm", **(ROUGH_PLATE if name == "heap" else {})), fixed
+    )
 
 
 def simulated(names: Sequence[str], simulation: Simulation) -> list[Candidate]:

@@ -31,7 +31,7 @@ from grainfit.formatting import number
 from grainfit.materials.particle_shape import ASPECT_RATIO, FAMILIES, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.registry import DEM_PROGRAMS
-from grainfit.testing.materials import ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from kept_runs import mean_and, measure, read, simulate
 
 RATIOS = (1.0, 1.25, 1.5, 1.75, 2.0)
@@ -70,7 +70,10 @@ def record_of(run: Run) -> dict[str, Any]:
     """Simulate a run."""
     sizes = ParticleSizes((DIAMETER,), shape=ParticleShape(run.family))
     program = DEM_PROGRAMS[run.solver](
-        bulk_tests()[run.test](sizes, **json.loads(run.options)), material_of(run)
+        bulk_tests()[run.test](
+            sizes, **(ROUGH_PLATE if run.test == "heap" else {}), **json.loads(run.options)
+        ),
+        material_of(run),
     )
     return simulate(program, run.seed)
 

@@ -32,7 +32,7 @@ from grainfit.formatting import number
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.kinds import Quantity
 from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.testing.materials import ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
 REAL = ParticleSizes((0.005,))
 USUAL = ParticleSizes((0.010,))
@@ -68,8 +68,8 @@ def test_of(run: Run) -> BulkTest:
         for name, value in usual.resolved_options().items()
         if units.get(name) in ("m", "m/s") and value is not None
     }
-    floor = ROUGH_FLOOR if run.test == "draw_down" else {}
-    return kind(REAL.coarse_grained(run.factor), **apparatus, **floor)
+    rough = {"draw_down": ROUGH_FLOOR, "heap": ROUGH_PLATE}.get(run.test, {})
+    return kind(REAL.coarse_grained(run.factor), **apparatus, **rough)
 
 
 def simulate(run: Run) -> dict[str, Any]:

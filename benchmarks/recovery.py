@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.testing.materials import ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from random_materials import DENSITY, DIAMETER, Measured, Study, Unknown, command, run
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
@@ -42,7 +42,7 @@ def cohesive() -> Study:
     free = (SLIDING, ROLLING, DENSITY)
     return Study(
         tests={
-            "heap": kinds["heap"](diameter=DIAMETER),
+            "heap": kinds["heap"](diameter=DIAMETER, **ROUGH_PLATE),
             "shear_low": kinds["shear"](diameter=DIAMETER),
             "shear_high": kinds["shear"](diameter=DIAMETER),
             "discharge": kinds["discharge"](diameter=DIAMETER),
@@ -74,7 +74,10 @@ def clumps() -> Study:
     kinds = bulk_tests()
     free = (SLIDING, DENSITY)
     return Study(
-        tests={name: kinds[name](sizes) for name in ("heap", "discharge")},
+        tests={
+            name: kinds[name](sizes, **(ROUGH_PLATE if name == "heap" else {}))
+            for name in ("heap", "discharge")
+        },
         fixed={
             **{name: value for name, value in ROUGH_SPHERES.items() if name not in free},
             ROLLING: 0.0,

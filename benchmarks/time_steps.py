@@ -28,7 +28,7 @@ import numpy as np
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import number
 from grainfit.solvers.registry import DEM_PROGRAMS
-from grainfit.testing.materials import ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from kept_runs import mean_and, measure, read, simulate
 
 SOLVERS = ("lammps", "liggghts")
@@ -65,7 +65,11 @@ def material_of(run: Run) -> Mapping[str, float]:
 
 def record_of(run: Run) -> dict[str, Any]:
     """Simulate a run."""
-    test = bulk_tests()[run.test](diameter="10 mm", time_step_fraction=run.fraction)
+    test = bulk_tests()[run.test](
+        diameter="10 mm",
+        **(ROUGH_PLATE if run.test == "heap" else {}),
+        time_step_fraction=run.fraction,
+    )
     chosen = [run.model.partition(" ")[0]]
     program = DEM_PROGRAMS[run.solver](test, material_of(run), contact_models=chosen)
     return simulate(program, run.seed)

@@ -27,7 +27,7 @@ import numpy as np
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import percent
 from grainfit.problem.target import NORMAL_QUANTILE
-from grainfit.testing.materials import ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from grainfit.which_test.candidate import RUNS
 from grainfit.which_test.knowledge import Knowledge
 from random_materials import (
@@ -59,7 +59,10 @@ LABORATORY: Mapping[str, float | str] = {
     "lateral_stress_ratio": 0.01,
 }
 #: From a floor like the walls, some of each pile with little sliding friction slides off.
-FLOORS = {"draw_down": {"floor_sliding_friction": 0.5, "floor_rolling_friction": 0.5}}
+FLOORS = {
+    "heap": ROUGH_PLATE,
+    "draw_down": {"floor_sliding_friction": 0.5, "floor_rolling_friction": 0.5},
+}
 #: Values to which absolute uncertainties are compared in the bound, in the same units.
 TYPICAL: Mapping[str, float] = {
     "angle_of_repose": 25.0,

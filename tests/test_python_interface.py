@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 import pytest
 
 import grainfit as gf
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 FILE = """\
 name = "my sand"
@@ -78,7 +78,7 @@ def test_a_strategy_is_asked_and_told() -> None:
 
 
 def test_tests_and_solvers_take_quantities() -> None:
-    heap = gf.tests.Heap(diameter="10 mm", lift_speed="50 mm/s")
+    heap = gf.tests.Heap(diameter="10 mm", lift_speed="50 mm/s", **ROUGH_PLATE)
     assert heap.lift_speed == 0.05
     material = {name: value for name, value in GLASS_BEADS.items() if name != "particle.density"}
     solver = gf.solvers.Lammps(heap, {**material, "particle.youngs_modulus": "0.36 MPa"})

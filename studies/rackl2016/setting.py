@@ -10,7 +10,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.dem.liggghts.program import Liggghts
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 DIAMETER = 0.010
 DENSITY, ROLLING_FRICTION = "particle.density", "particle_particle.rolling_friction"
@@ -72,7 +72,7 @@ CASES = tuple(Case(width, seed) for width in WIDTHS for seed in SEEDS)
 
 def make_solver() -> Liggghts:
     """LIGGGHTS with Hertz-Mindlin and EPSD on the heap test, with the values of table 1."""
-    return Liggghts(Heap(ParticleSizes((DIAMETER,))), GLASS_BEADS)
+    return Liggghts(Heap(ParticleSizes((DIAMETER,)), **ROUGH_PLATE), GLASS_BEADS)
 
 
 def around(name: str, width: float) -> Parameter:

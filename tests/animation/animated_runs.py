@@ -58,6 +58,8 @@ cylinder_radius = "40 mm"
 strike_off_height = "80 mm"
 bulk_density_top = "70 mm"
 plate_radius = "120 mm"
+plate_sliding_friction = 0.5
+plate_rolling_friction = "particle_particle"
 {more}
 targets.angle_of_repose = {{ value = "22 deg" }}
 """

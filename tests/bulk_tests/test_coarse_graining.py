@@ -53,6 +53,8 @@ restitution = 0.5
 rolling_damping = 0
 [[test]]
 type = "heap"
+plate_sliding_friction = 0.5
+plate_rolling_friction = "particle_particle"
 solver = "lammps"
 cylinder_radius = "50 mm"
 strike_off_height = "150 mm"

@@ -8,6 +8,7 @@ import pytest
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.testing.bulk_test_contract import BulkTestContract
+from grainfit.testing.materials import ROUGH_PLATE
 
 
 class TestHeap(BulkTestContract):
@@ -38,4 +39,5 @@ class TestHeap(BulkTestContract):
             strike_off_height="85 mm",
             bulk_density_top="70 mm",
             lift_speed="0.3 m/s",
+            **ROUGH_PLATE,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -68,6 +69,7 @@ def test_lammps_refuses_a_round_orifice_before_any_run(tmp_path: Path) -> None:
     assert not concepts(test) & set(Liggghts.missing)
 
     text = EXAMPLE.read_text(encoding="utf-8")
+    text = re.sub(r"(?m)^plate_.*\n", "", text)
     text = text.replace('type = "heap"', 'type = "discharge"\norifice = "round"')
     text = text.replace('angle_of_repose = { value = "22 deg", uncertainty = "0.5 deg" }', "")
     text = text.replace("targets.\n", "")

@@ -190,7 +190,7 @@ class TestDeck:
         assert particles[:, 2].tolist() == [BIDISPERSE.diameters[i] for i in column.size_indices]
         assert set(particles[:, 3]) == {2100.0}
 
-    def test_the_plate_rolls_as_the_particles_unless_told_otherwise(self, tmp_path, glass_beads):
+    def test_the_plate_is_of_the_wall_unless_its_options_say_otherwise(self, tmp_path, glass_beads):
         material = {**glass_beads, "particle_particle.rolling_friction": 0.4321}
 
         def matrix(test):
@@ -200,7 +200,8 @@ class TestDeck:
             )
             return found.group(1).split()
 
-        assert matrix(Heap(MONOSIZE)) == ["0.4321", "0.005", "0.4321"]
+        rough = Heap(MONOSIZE, plate_rolling_friction="particle_particle")
+        assert matrix(rough) == ["0.4321", "0.005", "0.4321"]
         assert matrix(Heap(MONOSIZE, plate_rolling_friction=0.1)) == ["0.4321", "0.005", "0.1"]
 
     def test_all_that_matters_of_the_material_reaches_the_decks(self, tmp_path, glass_beads):

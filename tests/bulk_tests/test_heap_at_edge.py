@@ -1,7 +1,8 @@
-"""A heap whose size its plate has decided has an angle, and no base radius, height and profile."""
+"""A heap whose shape its plate has decided gives the bulk density of the bed alone."""
 
 from __future__ import annotations
 
+import re
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.starter import starter_file
 from grainfit.campaign.absent_responses import absences
@@ -22,8 +24,8 @@ from grainfit.evaluation import Evaluation, Proposal
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.status import read_status
 
-REASON = "the heap reaches the edge of the plate: use a larger plate_radius"
-ABSENT = f"no base_radius, heap_height, profile: {REASON}"
+REASON = Heap.responses["base_radius"].absent
+ABSENT = f"no angle_of_repose, base_radius, heap_height, profile: {REASON}"
 #: A bed that makes heaps of about 85 mm radius, and a quick lift.
 SMALL = """\
 cylinder_radius = "35 mm"
@@ -63,11 +65,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
-@pytest.mark.parametrize("size", ["base_radius", "heap_height"])
-def test_a_run_with_a_target_for_the_size_has_failed_with_the_reason(
-    folder: Path, size: str
+@pytest.mark.parametrize("shape", ["angle_of_repose", "base_radius", "heap_height"])
+def test_a_run_with_a_target_for_the_shape_has_failed_with_the_reason(
+    folder: Path, shape: str
 ) -> None:
-    setup = beads(folder, "65 mm", "angle_of_repose", size)
+    setup = beads(folder, "65 mm", shape)
     for _ in range(2):
         found = simulated(setup, folder / "work", is_needed=True)
         assert found.failures == {"heap": ABSENT}
@@ -76,11 +78,11 @@ def test_a_run_with_a_target_for_the_size_has_failed_with_the_reason(
         assert found.reused == 1
 
 
-def test_the_same_run_keeps_angle_and_density_where_nobody_needs_the_size(folder: Path) -> None:
-    setup = beads(folder, "65 mm", "angle_of_repose")
+def test_the_same_run_keeps_the_density_where_nobody_needs_the_shape(folder: Path) -> None:
+    setup = beads(folder, "65 mm", "bulk_density")
     for is_needed in (True, False):
         found = simulated(setup, folder / "work", is_needed=is_needed)
-        assert found.response_names == {"bulk_density", "angle_of_repose"}
+        assert found.response_names == {"bulk_density"}
         assert not found.failures
         assert found.reused == 1
     assert absences(setup.solvers, [found]) == [f"Seed 1: heap has {ABSENT}."]
@@ -98,7 +100,7 @@ def test_known_runs_without_the_size_count_as_failures_where_it_is_needed(folder
     with closing(RunStore.in_folder(folder / "work")) as store:
         records = store.runs()
         assert [record.reason for record in store.incomplete_runs()] == [ABSENT]
-    for targets, failures in ((["angle_of_repose"], {}), (["heap_height"], {"heap": ABSENT})):
+    for targets, failures in ((["bulk_density"], {}), (["angle_of_repose"], {"heap": ABSENT})):
         setup = beads(folder, "65 mm", *targets)
         [known] = runs_of(setup.problem, setup.solvers, records)
         assert known.failures == failures
@@ -130,7 +132,7 @@ def test_a_calibration_names_the_reason_and_so_does_its_work_folder(tmp_path: Pa
 
 
 def test_the_command_line_says_what_a_run_is_without(folder: Path) -> None:
-    beads(folder, "65 mm", "angle_of_repose")
+    beads(folder, "65 mm", "bulk_density")
     work = ["--workdir", str(folder / "work")]
     simulated = CliRunner().invoke(app, ["simulate", str(folder / "beads.toml"), *work])
     assert simulated.exit_code == 0, simulated.output
@@ -138,15 +140,16 @@ def test_the_command_line_says_what_a_run_is_without(folder: Path) -> None:
     measured = CliRunner().invoke(app, ["measure", str(run)])
     for shown in (simulated.output, measured.output):
         assert ABSENT in " ".join(shown.split())
-        assert "angle_of_repose" in shown
+        assert "bulk_density" in shown
 
 
 @pytest.mark.parametrize(
     ("plate", "targets", "noted"),
     [
         ("100 mm", ["base_radius"], "base_radius"),
-        ("80 mm", ["angle_of_repose", "heap_height"], "heap_height"),
-        ("80 mm", ["angle_of_repose"], ""),
+        ("80 mm", ["angle_of_repose", "heap_height"], "angle_of_repose and heap_height"),
+        ("80 mm", ["angle_of_repose"], "angle_of_repose"),
+        ("80 mm", ["bulk_density"], ""),
         ("80 mm", ["heap_height"], ""),
         ("160 mm", ["angle_of_repose", "base_radius", "heap_height"], ""),
     ],
@@ -165,3 +168,37 @@ def test_a_plate_that_is_too_small_for_the_measured_heap_is_noted(
 def test_nothing_is_said_of_a_plate_with_a_rim(tmp_path: Path) -> None:
     beads(tmp_path, '65 mm"\nrim_height = "10 mm', "angle_of_repose", "heap_height")
     assert not [n for n in gf.load(tmp_path / "beads.toml").notes() if "too small for" in n]
+
+
+@pytest.mark.parametrize(
+    ("sliding", "rolling", "noted"),
+    [
+        # Wall friction of the file: 0.3 and 0.05.
+        ("", "", ""),
+        ("0.5", '"particle_particle"', ""),
+        ("0.1", '"particle_particle"', "plate_sliding_friction"),
+        ("0.5", "0", "plate_rolling_friction"),
+    ],
+)
+def test_a_plate_on_which_heaps_slide_apart_is_noted(
+    tmp_path: Path, sliding: str, rolling: str, noted: str
+) -> None:
+    text = re.sub(r"(?m)^plate_\w+_friction.*\n", "", starter_file(["heap"]))
+    given = {"sliding": sliding, "rolling": rolling}
+    lines = [f"plate_{kind}_friction = {value}\n" for kind, value in given.items() if value]
+    path = tmp_path / "beads.toml"
+    path.write_text(text.replace('solver = "', f'{"".join(lines)}solver = "', 1), encoding="utf-8")
+    notes = [note for note in gf.load(path).notes() if "friction of the plate is" in note]
+    assert [noted in note for note in notes] == [True] * bool(noted)
+
+
+def test_a_heap_that_slides_apart_on_the_walls_fails_with_that_reason(tmp_path: Path) -> None:
+    text = re.sub(r"(?m)^plate_\w+_friction.*\n", "", starter_file(["heap"]))
+    text = text.replace('youngs_modulus = "10 MPa"', 'youngs_modulus = "1 MPa"')
+    walls = text.index("[particle_wall]")
+    smooth = re.sub(r"(?m)^(\w+ing_friction) = .*", r"\1 = 0.1", text[walls:], count=2)
+    (tmp_path / "beads.toml").write_text(
+        text[:walls] + smooth.replace('type = "heap"', f'type = "heap"\n{SMALL}'), encoding="utf-8"
+    )
+    found = simulated(gf.load(tmp_path / "beads.toml"), tmp_path / "work", is_needed=True)
+    assert "plate_sliding_friction" in found.failures["heap"]

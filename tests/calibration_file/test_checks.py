@@ -103,6 +103,11 @@ CASES = {
         heap('plate_radius = "65 mm"\ntargets.heap_height = { value = "53 mm" }'),
         "plate_radius = ",
     ),
+    "smooth-plate": (
+        "warning",
+        changed(("plate_sliding_friction = 0.5", "plate_sliding_friction = 0.1")),
+        "plate_sliding_friction = ",
+    ),
     "narrow-orifice": ("warning", f"{BEADS}\n{DISCHARGE}", "slot_width = "),
     "smooth-walls": (
         "warning",

@@ -474,6 +474,8 @@ def test_keys_of_a_test_whose_header_is_missing_belong_in_a_test(faults_of: Faul
     found = {fault.key: fault.remedy for fault in faults_of(("[[test]]", ""))}
     for key in ("type", "solver", "targets"):
         assert found.pop(f"particle_wall.{key}") == "It belongs in [[test]]."
+    for key in ("plate_sliding_friction", "plate_rolling_friction"):
+        assert "Did you mean" in found.pop(f"particle_wall.{key}")
     assert [*found] == ["test"]
 
 

@@ -24,7 +24,7 @@ from grainfit.materials.starting_materials import (
 )
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 from grainfit.units import to_unit
 
 PAGE = Path(__file__).parents[2] / "docs" / "starting_materials.md"
@@ -125,7 +125,7 @@ def test_the_heap_of_example_targets_is_the_one_of_their_angle(tmp_path: Path) -
         "particle_particle.sliding_friction": 0.5,
         "particle_particle.rolling_friction": 0.3,
     }
-    heap = gf.solvers.Lammps(gf.tests.Heap(diameter="3 mm"), material)
+    heap = gf.solvers.Lammps(gf.tests.Heap(diameter="3 mm", **ROUGH_PLATE), material)
     (tmp_path / "run").mkdir()
     run = heap.run({}, 1, Workspace(tmp_path / "run"))
     found = {name: run[name].value for name in ("angle_of_repose", "base_radius", "heap_height")}

@@ -20,7 +20,7 @@ from grainfit.evaluation import Curve, Measured, Response
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.own_model.python_callable import PythonCallable
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 #: Values of some responses in several runs.
 Simulated = dict[str, list[float]]
@@ -51,7 +51,7 @@ class Material:
     def heap(self) -> Heap:
         lengths = {name: number * self.diameter for name, number in SMALL.items()}
         speed = 0.3 * math.sqrt(self.diameter / 0.010)
-        return Heap(diameter=self.diameter, lift_speed=speed, **lengths)
+        return Heap(diameter=self.diameter, lift_speed=speed, **lengths, **ROUGH_PLATE)
 
     def solver(self, free: Iterable[str] = ()) -> Lammps:
         fixed = {name: v for name, v in self.values.items() if name not in free}
@@ -169,7 +169,7 @@ def test_runs_of_another_stiffness_are_other_runs(other: Material) -> None:
 
 
 def test_runs_of_another_lift_speed_are_other_runs() -> None:
-    solver = Lammps(Heap(diameter="2 mm", lift_speed="0.3 m/s"), FINE.values)
+    solver = Lammps(Heap(diameter="2 mm", lift_speed="0.3 m/s", **ROUGH_PLATE), FINE.values)
     assert taken(stored(solver, RESPONSES), BEADS, **ROLLING) == []
 
 

@@ -34,7 +34,7 @@ from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.own_model.python_callable import PythonCallable
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 from grainfit.watch.state import read_folder, state_of
 
 pytest.importorskip("parsl")
@@ -48,6 +48,7 @@ SMALL = Heap(
     strike_off_height=0.08,
     bulk_density_top=0.07,
     plate_radius=0.12,
+    **ROUGH_PLATE,
 )
 NEVER_HERE = 60.0
 

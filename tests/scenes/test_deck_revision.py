@@ -16,7 +16,7 @@ from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.scene import SCENES_REVISION, time_step
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.decks import write_deck
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 BEADS, MIXTURE = ParticleSizes((0.010,)), ParticleSizes((0.012, 0.008), (0.5, 0.5))
 SOFT_WALL = {**GLASS_BEADS, "wall.youngs_modulus": 2e5, "particle_wall.sliding_friction": 0.6}
@@ -25,7 +25,7 @@ DECKS = {"lammps": (1, "41ba9408b19bb4a1"), "liggghts": (1, "f447515809efd14c")}
 #: Every test with its defaults, and one with another geometry: its own revision, that of scenes,
 #: and the decks of beads and of a mixture in all solvers that have its shapes.
 DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
-    ("heap", ""): (1, 1, "43572c2fc00ec747"),
+    ("heap", ""): (2, 1, "a05dc8870c3b49f7"),
     ("packing", ""): (1, 1, "693b512048690ff6"),
     ("compression", ""): (1, 1, "8264f66227d16ddb"),
     ("discharge", "slot"): (1, 1, "3e20fd7fb0dad1c4"),
@@ -55,8 +55,11 @@ CHANGED_TEST = (
 def test_decks_are_those_of_their_revision(tmp_path: Path, solver: str) -> None:
     digest = hashlib.sha256()
     for test, material in (
-        (Heap(diameter="10 mm"), GLASS_BEADS),
-        (Heap(MIXTURE, rim_height="6 mm", plate_rolling_friction=0.1), SOFT_WALL),
+        (Heap(diameter="10 mm", **ROUGH_PLATE), GLASS_BEADS),
+        (
+            Heap(MIXTURE, rim_height="6 mm", **{**ROUGH_PLATE, "plate_rolling_friction": 0.1}),
+            SOFT_WALL,
+        ),
     ):
         digest.update(write_deck(test, tmp_path, solver, material, seed=1).read_bytes())
 
@@ -95,7 +98,7 @@ def test_clumps_are_those_of_their_revision(family: str, aspect_ratio: float) ->
 
 def test_yade_decks_are_those_of_their_revision(tmp_path: Path) -> None:
     digest = hashlib.sha256()
-    tests = [kind(MIXTURE) for kind in BUILT_IN.values()]
+    tests = [k(MIXTURE, **(ROUGH_PLATE if k is Heap else {})) for k in BUILT_IN.values()]
     for test in (t for t in tests if not concepts(t) & set(DEM_PROGRAMS["yade"].missing)):
         deck = write_deck(test, tmp_path / test.type, "yade", GLASS_BEADS, seed=1)
         for path in sorted(deck.parent.glob("*.*")):

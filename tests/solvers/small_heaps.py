@@ -5,6 +5,7 @@ import pytest
 import needs
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.testing.materials import ROUGH_PLATE
 
 each_solver = pytest.mark.parametrize(
     "solver_type",
@@ -18,4 +19,5 @@ SMALL_HEAP = {
     "strike_off_height": 0.08,
     "bulk_density_top": 0.07,
     "plate_radius": 0.12,
+    **ROUGH_PLATE,
 }

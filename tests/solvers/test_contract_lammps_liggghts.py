@@ -9,7 +9,7 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 from grainfit.testing.solver_contract import ProcessSolverContract
 
 FREE = ("particle.density", "particle_particle.rolling_friction")
@@ -21,6 +21,7 @@ SMALL = Heap(
     strike_off_height=0.08,
     bulk_density_top=0.07,
     plate_radius=0.10,
+    **ROUGH_PLATE,
 )
 
 

@@ -6,6 +6,7 @@ import os
 import stat
 import threading
 import time
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -24,10 +25,10 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem import messages as dem_messages
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 MONOSIZE = ParticleSizes((0.010,))
-STUDY = Heap(MONOSIZE)
+STUDY = Heap(MONOSIZE, **ROUGH_PLATE)
 SMALL = Heap(MONOSIZE, **SMALL_HEAP)
 
 
@@ -209,7 +210,7 @@ class TestRealHeaps:
 
     @each_solver
     def test_a_heap_without_friction_rolls_away(self, solver_type, tmp_path):
-        test = Heap(MONOSIZE, **SMALL_HEAP, plate_sliding_friction=0, plate_rolling_friction=0)
+        test = replace(SMALL, plate_sliding_friction=0, plate_rolling_friction=0)
         nothing = {name: 0.0 for name in GLASS_BEADS if name.endswith("_friction")}
         with pytest.raises(RunFailedError, match="angle of repose") as caught:
             run(solver_type, tmp_path, test, **nothing)

@@ -87,11 +87,7 @@ def test_a_file_with_one_wall_makes_the_same_deck_as_with_a_name(tmp_path: Path)
     """The plate has the friction of the wall in both."""
     named = solver("lammps", 0.4, 0.8, dict.fromkeys(WALLS, "steel"))
     plain = DEM_PROGRAMS["lammps"](
-        Heap(
-            **{key.name: getattr(heap(), key.name) for key in Heap.option_keys()}
-            | {"plate_sliding_friction": 0.4, "plate_rolling_friction": 0.4},
-            diameter=0.01,
-        ),
+        Heap(**{key.name: getattr(heap(), key.name) for key in Heap.option_keys()}, diameter=0.01),
         {**PARTICLES, **wall("", 0.4)},
     )
     texts = []

@@ -21,7 +21,7 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 pytestmark = needs.CHROMIUM
 # Chromium, solvers and metamodels share a few cores.
@@ -186,6 +186,7 @@ def test_the_newest_heap_is_drawn_as_it_comes_in(browser: Browser, tmp_path: Pat
         strike_off_height=0.08,
         bulk_density_top=0.07,
         plate_radius=0.12,
+        **ROUGH_PLATE,
     )
     fixed = {name: v for name, v in GLASS_BEADS.items() if name != "particle.density"}
     problem = gf.Problem(

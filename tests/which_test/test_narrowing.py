@@ -13,7 +13,7 @@ import grainfit as gf
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 from grainfit.which_test import determining_tests as further
 from grainfit.which_test import messages
 from grainfit.which_test.narrowing import ExpectedNarrowing
@@ -28,8 +28,10 @@ BULK_DENSITY = gf.Target("bulk_density", 1300.0, uncertainty="1 %")
 ANGLE = gf.Target("angle_of_repose", 25.0, uncertainty="1 deg")
 ENERGY = gf.Parameter("particle_particle.surface_energy", 0, 0.3, unit="J/m^2")
 RATIO = gf.Parameter("particle.aspect_ratio", 1, 2)
-HEAP = gf.tests.Heap(diameter="10 mm")
-CLUMPS = gf.tests.Heap(ParticleSizes((0.01,), shape=ParticleShape("two_spheres", aspect_ratio=1.5)))
+HEAP = gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE)
+CLUMPS = gf.tests.Heap(
+    ParticleSizes((0.01,), shape=ParticleShape("two_spheres", aspect_ratio=1.5)), **ROUGH_PLATE
+)
 
 
 def expected(

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import grainfit as gf
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.cli.app import app
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 DENSITY, ROLLING = "particle.density", "particle_particle.rolling_friction"
 
@@ -93,6 +93,7 @@ def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
         strike_off_height="80 mm",
         bulk_density_top="70 mm",
         plate_radius="100 mm",
+        **ROUGH_PLATE,
     )
     material = {n: v for n, v in GLASS_BEADS.items() if n not in (DENSITY, ROLLING)}
     problem = gf.Problem(

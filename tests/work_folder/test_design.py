@@ -46,6 +46,8 @@ restitution = 0.6
 rolling_damping = 0.25
 [[test]]
 type = "heap"
+plate_sliding_friction = 0.5
+plate_rolling_friction = "particle_particle"
 solver = "lammps"
 """
 MEASURED = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 _Test = TypeVar("_Test", covariant=True)
@@ -23,9 +23,12 @@ class CheckedTest(Generic[_Test]):
         Material parameters that are known, at the lower and upper ends of the intervals.
     targets : mapping of str to float or None
         Measured values by response, None for a curve.
+    walls : mapping of str to str
+        Walls with a name, by the parts of the test that are made of them.
     """
 
     test: _Test
     lowest: Mapping[str, float]
     highest: Mapping[str, float]
     targets: Mapping[str, float | None]
+    walls: Mapping[str, str] = field(default_factory=dict)

@@ -31,3 +31,9 @@ ROUGH_SPHERES: Mapping[str, float] = {
     "particle_wall.rolling_friction": 0.1,
     "particle_wall.restitution": 0.6,
 }
+
+#: Options of a heap on a plate with the particles glued to it, and a sliding friction of 0.5.
+ROUGH_PLATE: Mapping[str, float | str] = {
+    "plate_sliding_friction": 0.5,
+    "plate_rolling_friction": "particle_particle",
+}

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from grainfit.bulk_tests.abilities import material_faults, options_for
+from grainfit.bulk_tests.abilities import friction_options, material_faults, options_for
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import sized_for
 from grainfit.bulk_tests.conditions import conditions_of
@@ -14,6 +14,7 @@ from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import PLAIN, on_wall, walls_among, with_plain_wall
+from grainfit.options.fields import Amount
 from grainfit.options.kinds import suggest
 from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
@@ -109,7 +110,7 @@ def available_tests(
     present = {s.bulk_test.type for s in solvers.values() if s.bulk_test}
     found: dict[str, Solver] = {}
     refused: dict[str, str] = {}
-    options = {name: options_for(kind, maker.plain_material) for name, kind in known.items()}
+    options = {name: maker.options(kind) for name, kind in known.items()}
     for name, kind in known.items():
         if name in present or (wanted and name not in wanted):
             continue
@@ -153,6 +154,13 @@ class _Maker:
     @property
     def plain_material(self) -> dict[str, float]:
         return with_plain_wall(self.material, self._usual_wall)
+
+    def options(self, kind: type[BulkTest]) -> dict[str, Amount]:
+        """Return what suits the material; walls with a name have their own friction."""
+        found = options_for(kind, self.plain_material)
+        own = {name for names in friction_options(kind).values() for name in names}
+        of_walls = own if any(self._usual_wall) else set()
+        return {name: value for name, value in found.items() if name not in of_walls}
 
     def solver(self, kind: type[BulkTest], options: Mapping[str, Any]) -> Solver:
         like = conditions_of(self.test)

@@ -7,7 +7,6 @@ own. They had spheres without cohesion only.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import fields
 
 from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.accuracy import Accuracy
@@ -15,6 +14,7 @@ from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import VARIED, WALL_SLIDING
 from grainfit.contact_models.registry import COHESION
 from grainfit.materials.walls import PLAIN, on_wall, plain_name
+from grainfit.options.fields import option_remarks
 from grainfit.solvers.base import Solver
 from grainfit.which_test.candidate import CandidateResponse
 from grainfit.which_test.determining_tests import BETTER_FIXED
@@ -84,16 +84,14 @@ def unrecorded_effects(
 def _frictions_apart(solver: Solver) -> set[str]:
     """Return frictions of the walls of a test that no trial varied."""
     test = solver.bulk_test
-    if test is None or not solver.walls:
+    if test is None:
         return set()
-    defaults = {field.name: field.default for field in fields(test)}
-    # A part whose friction is by default that of the walls was varied with them.
-    apart = [
-        p
-        for p, own in friction_options(type(test)).items()
-        if any(defaults[o] is not None for o in own)
-    ]
-    return {on_wall(WALL_SLIDING, solver.walls[part]) for part in apart if part in solver.walls}
+    apart = option_remarks(type(test), "recorded")
+    return {
+        on_wall(WALL_SLIDING, solver.walls.get(part, PLAIN))
+        for part, own in friction_options(type(test)).items()
+        if any(o in apart and "sliding" in o and getattr(test, o) is None for o in own)
+    }
 
 
 def are_dry_spheres(solvers: Mapping[str, Solver], material: Mapping[str, float]) -> bool:

@@ -21,12 +21,12 @@ from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,
     FLOW_TIME_LIMIT,
-    FRICTION,
     LENGTH,
     SLOT_WIDTH,
     TIME,
 )
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
+from grainfit.bulk_tests.shared.part_friction import friction_of_part, friction_option
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import (
     require_apex_below,
@@ -192,21 +192,14 @@ class DrawDown(BulkTest):
         example='"300 mm"',
         default=Derived("30 d", lambda s: s.usual_half_width),
     )
-    floor_sliding_friction: Amount | None = option(
-        FRICTION,
-        "Sliding friction between particles and lower floor.",
-        example="0.5",
-        default=Derived("that of the walls"),
-        part="floor",
-        starter=_STARTER,
+    floor_sliding_friction: Amount | None = friction_option(
+        "Sliding", "floor", "lower floor.", "0.5", starter=_STARTER
     )
-    floor_rolling_friction: Amount | None = option(
-        FRICTION,
-        "Rolling friction between particles and lower floor. On a smooth floor particles roll away "
-        "beyond its edges, and the run fails.",
-        example="0.3",
-        default=Derived("that of the walls"),
-        part="floor",
+    floor_rolling_friction: Amount | None = friction_option(
+        "Rolling",
+        "floor",
+        "lower floor. On a smooth floor particles roll away beyond its edges, and the run fails.",
+        "0.3",
         starter=_STARTER,
     )
     settling_time_limit: Amount | None = option(
@@ -238,7 +231,7 @@ class DrawDown(BulkTest):
         side = setup.floor_half_width + 3 * largest
         bottom = setup.floor - 3 * largest
         half = setup.floor_half_width
-        surface = self._floor_friction
+        rough = friction_of_part(material, self.floor_sliding_friction, self.floor_rolling_friction)
         floor = Block((-half, 0.0, bottom - largest), (half, box.depth, setup.floor))
         return Scene(
             title="Draw-down test with a slot",
@@ -246,13 +239,13 @@ class DrawDown(BulkTest):
             sizes=self.sizes,
             particles=column,
             box=Box((-side, 0.0, bottom), (side, box.depth, top), periodic="y"),
-            walls={**box.walls(top, largest), "floor": Wall(floor, _FLOOR if surface else WALL)},
+            walls={**box.walls(top, largest), "floor": Wall(floor, _FLOOR if rough else WALL)},
             stages=self._stages(),
             gravity=float(self.gravity),
             time_step=self.time_step(material),
             quiet_speed=filling.quiet_speed,
             check_interval=filling.check_interval,
-            surfaces={_FLOOR: surface} if surface else {},
+            surfaces={_FLOOR: rough} if rough else {},
         )
 
     @classmethod
@@ -261,15 +254,6 @@ class DrawDown(BulkTest):
         if material["particle_wall.rolling_friction"] >= _SMOOTH:
             return {}
         return {"floor_rolling_friction": _ROUGH}
-
-    @property
-    def _floor_friction(self) -> dict[str, float]:
-        """Friction of the lower floor where it differs from that of the walls."""
-        given = {
-            "particle_wall.sliding_friction": self.floor_sliding_friction,
-            "particle_wall.rolling_friction": self.floor_rolling_friction,
-        }
-        return {name: float(value) for name, value in given.items() if value is not None}
 
     def _stages(self) -> tuple[Stage, ...]:
         setup = self.setup

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,19 +11,25 @@ from typing import Any, ClassVar, Self
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.heap import messages
+from grainfit.bulk_tests.heap.plate import small_plate, smooth_plate
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
-from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo, absent_responses
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
-from grainfit.bulk_tests.shared.options import FRICTION, LENGTH, settling_option
+from grainfit.bulk_tests.shared.options import LENGTH, settling_option
+from grainfit.bulk_tests.shared.part_friction import (
+    AS_PARTICLES,
+    friction_of_part,
+    friction_option,
+)
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Check
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Measured
-from grainfit.formatting import in_a_row, millimetres
 from grainfit.measurement.angle_of_repose import (
     AngleOfRepose,
     angle_of_repose,
@@ -34,6 +40,7 @@ from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.clinging import clinging
 from grainfit.measurement.heap_picture import draw_heap
 from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile, reaches_edge
+from grainfit.measurement.messages import NO_HEAP
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.measurement.silhouette import Silhouette
 from grainfit.options.fields import Amount, Derived, option
@@ -41,7 +48,7 @@ from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
 from grainfit.scenes.packing import Column, Footprint, Round
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import SCENES_REVISION, Box, Scene, Stage, Velocity, Wall
+from grainfit.scenes.scene import SCENES_REVISION, WALL, Box, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
 
 #: Part of the identity of runs: the hash of the hand-written decks of version 0.1.0, which are the
@@ -54,8 +61,6 @@ _LARGEST_CLINGING = 0.05
 #: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
 _FILL_SHARE = 1.25
 _LIFT_SHARE = 0.9
-#: An angle of which there is no cone, degrees.
-_STEEPEST = 90.0
 #: Options that a definition of version 0.1.0 has beside geometry and procedure.
 _OUTSIDE_SETUP = (
     "plate_sliding_friction",
@@ -63,33 +68,18 @@ _OUTSIDE_SETUP = (
     "time_step_fraction",
     "views",
 )
-#: Why a heap has no radius, height and profile.
-_AT_EDGE = "the heap reaches the edge of the plate: use a larger plate_radius"
-#: Surface of plate and rim.
+#: Why a heap has no shape of its own.
+_AT_EDGE = (
+    "the heap reaches the edge of the plate: use a larger plate_radius, or, if the plate of the "
+    "laboratory is rough, plate_sliding_friction and plate_rolling_friction"
+)
+#: Remark of a first calibration file on the friction of the plate.
+_STARTER = "rough; by default that of the walls, off which heaps slide"
+#: Surface of plate and rim, when it is another one than that of the walls.
 _PLATE = "plate"
-
-
+#: Sliding friction of a rough plate.
+_ROUGH = 0.5
 _LENGTH_OR_ZERO = Quantity("m", lowest=0.0, highest=1e3)
-
-
-@check("small-plate", "warning")
-def small_plate(checked: CheckedTest[Heap]) -> Iterator[Found]:
-    """Plates that are too small for the measured heap, whose size is needed."""
-    setup, diameter = checked.test.setup, checked.test.sizes.sauter_diameter
-    needed = [name for name in absent_responses(checked.test) if name in checked.targets]
-    angle, radius = (checked.targets.get(name) for name in ("angle_of_repose", "base_radius"))
-    if not needed or setup.rim_height > 0:
-        return
-    if radius is None and angle is not None and 0 < angle < _STEEPEST:
-        radius = setup.expected_foot(angle, diameter)
-    if radius is not None and radius > setup.plate_radius - diameter:
-        yield (
-            "plate_radius",
-            f"the plate of {millimetres(setup.plate_radius)} radius is too small for "
-            f"{in_a_row(needed)}: the measured heap has a base radius of about "
-            f"{millimetres(radius)}, and a run whose heap reaches the edge fails. Use "
-            f'plate_radius = "{millimetres(radius + 3 * diameter)}" or more.',
-        )
 
 
 @dataclass(frozen=True)
@@ -115,8 +105,13 @@ class Heap(BulkTest):
     """
 
     type: ClassVar[str] = "heap"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (surplus_particles, small_plate)
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+        surplus_particles,
+        small_plate,
+        smooth_plate,
+    )
     title: ClassVar[str] = "lifted cylinder"
+    revision: ClassVar[int] = 2
     parts: ClassVar[Parts] = {
         "cylinder": ("cylinder",),
         "plate": ("plate", "rim"),
@@ -132,6 +127,7 @@ class Heap(BulkTest):
             Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}, 0.056),
             highest=90.0,
             why="A flank is not steeper than a wall.",
+            absent=_AT_EDGE,
         ),
         # A cone of given volume: r^3 tan(angle) is constant.
         "base_radius": ResponseInfo(
@@ -221,19 +217,16 @@ class Heap(BulkTest):
         example='"100 mm"',
         default=Derived("10 d", lambda s: 10 * s.d),
     )
-    plate_sliding_friction: Amount = option(
-        FRICTION,
-        "Sliding friction between particles and plate.",
-        example="0.5",
-        default=0.5,
-        part="plate",
+    plate_sliding_friction: Amount | None = friction_option(
+        "Sliding", "plate", "plate.", "0.5", starter=_STARTER, recorded="apart"
     )
-    plate_rolling_friction: Amount | None = option(
-        FRICTION,
-        "Rolling friction between particles and plate.",
-        example="0.67",
-        default=Derived("as between two particles"),
-        part="plate",
+    plate_rolling_friction: Amount | None = friction_option(
+        "Rolling",
+        "plate",
+        "plate. On a smooth plate heaps slide and roll apart, beyond its edge.",
+        f'"{AS_PARTICLES}"',
+        starter="rough; by default that of the walls",
+        recorded="apart",
     )
     settling_time_limit: Amount | None = settling_option("the bed and the heap")
     views: int = option(
@@ -251,7 +244,8 @@ class Heap(BulkTest):
     def definition(self) -> dict[str, Any]:
         """Return everything in the test that affects a run's outcome, as JSON.
 
-        It is written as in version 0.1.0, whose runs are those of today.
+        It is written as in version 0.1.0, but for its revision: the plate was rough by default
+        then, and a heap at its edge had an angle.
         """
         setup, filling = self.setup, self.setup.filling
         recorded = {
@@ -276,7 +270,15 @@ class Heap(BulkTest):
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
         """Rebuild the test from the definition in the record of a run."""
         # Geometry and procedure are recorded with every default resolved.
-        return super().from_definition({**definition["setup"], **definition})
+        options = {**definition["setup"], **definition}
+        if definition["revision"] == 1 and options["plate_rolling_friction"] is None:
+            options["plate_rolling_friction"] = AS_PARTICLES
+        return super().from_definition(options)
+
+    @classmethod
+    def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:  # noqa: ARG003
+        """Return a rough plate, on which all materials make heaps."""
+        return {"plate_sliding_friction": _ROUGH, "plate_rolling_friction": AS_PARTICLES}
 
     @property
     def ground(self) -> float:
@@ -299,12 +301,14 @@ class Heap(BulkTest):
         side = setup.plate_radius + 1.5 * largest
         ceiling = top + setup.lift_height + 2 * largest
         cylinder = Cylinder(setup.cylinder_radius, setup.cylinder_gap, top)
+        rough = friction_of_part(material, self.plate_sliding_friction, self.plate_rolling_friction)
+        surface = _PLATE if rough else WALL
         walls = {
             "cylinder": Wall(cylinder),
-            "plate": Wall(Disc(setup.plate_radius, 0.0), _PLATE),
+            "plate": Wall(Disc(setup.plate_radius, 0.0), surface),
         }
         if setup.rim_height > 0:
-            walls["rim"] = Wall(Cylinder(setup.plate_radius, 0.0, setup.rim_height), _PLATE)
+            walls["rim"] = Wall(Cylinder(setup.plate_radius, 0.0, setup.rim_height), surface)
         return Scene(
             title="Heap test with a lifted cylinder",
             material=material,
@@ -317,7 +321,7 @@ class Heap(BulkTest):
             time_step=self.time_step(material),
             quiet_speed=setup.filling.quiet_speed,
             check_interval=setup.filling.check_interval,
-            surfaces={_PLATE: self._plate_parameters(material)},
+            surfaces={_PLATE: rough} if rough else {},
         )
 
     def _stages(self) -> tuple[Stage, ...]:
@@ -335,19 +339,10 @@ class Heap(BulkTest):
             Stage("heap", AtRest(limit), "comes to rest", snapshot=_HEAP),
         )
 
-    def _plate_parameters(self, material: Mapping[str, float]) -> dict[str, float]:
-        rolling = self.plate_rolling_friction
-        if rolling is None:
-            rolling = material["particle_particle.rolling_friction"]
-        return {
-            "particle_wall.sliding_friction": float(self.plate_sliding_friction),
-            "particle_wall.rolling_friction": float(rolling),
-        }
-
     def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure bed and heap; leave a picture and a VTK file of the heap.
 
-        A heap that reaches the edge of the plate has no base radius, height and profile.
+        A heap that reaches the edge of the plate is shaped by it: only the density is measured.
 
         Raises
         ------
@@ -370,15 +365,16 @@ class Heap(BulkTest):
             draw_heap(run.folder / _PICTURE, end, plate, self.ground, str(error))
             raise
         silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
-        angle = self._measure_angle(heap, silhouettes, run.folder / _PICTURE)
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        found: dict[str, Measured] = {"bulk_density": density, "angle_of_repose": angle.response}
         if reaches_edge(silhouettes, self.ground, heap.diameter, plate):
-            return found
+            draw_heap(run.folder / _PICTURE, heap, plate, self.ground, _AT_EDGE)
+            return {"bulk_density": density}
+        angle = self._measure_angle(heap, silhouettes, run.folder / _PICTURE)
         return {
-            **found,
+            "bulk_density": density,
+            "angle_of_repose": angle.response,
             "base_radius": base_radius(silhouettes, self.ground, heap.diameter),
             "heap_height": heap_height(silhouettes, heap.diameter),
             "profile": heap_profile(silhouettes, heap.diameter, plate),
@@ -431,6 +427,8 @@ class Heap(BulkTest):
             angle = angle_of_repose(heap, self.ground, plate, self.views, silhouettes)
         except NotMeasurableError as error:
             draw_heap(picture, heap, plate, self.ground, str(error))
+            if NO_HEAP.is_in(str(error)):
+                raise NotMeasurableError(messages.NO_HEAP_ON_PLATE(reason=error)) from None
             raise
         draw_heap(picture, heap, plate, self.ground, angle)
         return angle

@@ -24,3 +24,13 @@ LIFT_IS_SHORT = Message(
     "{lift_height:g} m leaves the cylinder in the heap.",
     "Use about the strike-off height, {strike_off_height:g} m.",
 )
+SMOOTH_PLATE = Message(
+    "the {kind} friction of the plate is {value:g} ({key}). Below {least:g} heaps slide or roll "
+    "apart, and runs fail.",
+    "If the plate of the laboratory is rough, give {option}.",
+)
+NO_HEAP_ON_PLATE = Message(
+    "{reason} On a smooth plate heaps slide apart.",
+    "If the plate of the laboratory is rough, give plate_sliding_friction and "
+    "plate_rolling_friction.",
+)

@@ -8,7 +8,6 @@ from grainfit.options.fields import Derived, option
 from grainfit.options.kinds import Quantity
 
 LENGTH = Quantity("m", above_zero=True, highest=1e3)
-FRICTION = Quantity("", lowest=0.0, highest=10.0)
 TIME = Quantity("s", above_zero=True)
 
 #: Height of a bed that is not struck off.

@@ -72,7 +72,8 @@ def _of_tests(check_name: str, context: FileContext) -> Iterator[Finding]:
     """Yield what the checks of one name find in all tests."""
     for name, test in context.bulk_tests.items():
         targets = targets_of_test(context, name, test)
-        checked = CheckedTest(test, context.lowest, context.highest, targets)
+        walls = context.solvers[name].walls
+        checked = CheckedTest(test, context.lowest, context.highest, targets, walls)
         for check in test.checks:
             if check.name == check_name:
                 for found in check(checked):
