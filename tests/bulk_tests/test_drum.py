@@ -94,7 +94,8 @@ def test_a_fast_drum_is_averaged_over_more_turns() -> None:
         ({"drum_length": "3 cm"}, "drum_length: .* 0.03 m .* Use at least 0.04 m"),
         ({"fill_level": 0.6, "drum_radius": "5 cm"}, "fill_level: 0.6 .* Use at most 0.5"),
         ({"drum_radius": "90 m"}, r"drum_radius: \d+ particles are more than 1000000"),
-        ({"rotational_speed": "20 rad/s"}, "rotational_speed: 20 rad/s .* less than 11.0"),
+        ({"rotational_speed": "20 rad/s"}, "rotational_speed: 20 rad/s .* at most 4.9"),
+        ({"froude_number": 0.4}, "rotational_speed: .* number of 0.4. .* no one angle"),
         (
             {"rotational_speed": 1.0, "froude_number": 0.01},
             "froude_number: 0.01 is given beside the rotational_speed 1 rad/s. Give one of them",
@@ -195,7 +196,11 @@ def test_a_smooth_drum_that_slides_under_its_bed_is_refused(tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-def test_a_drum_that_carries_its_particles_round_is_refused(tmp_path: Path) -> None:
+def test_a_drum_that_carries_its_particles_round_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # So it is before the run where the speed alone does it.
+    monkeypatch.setattr("grainfit.bulk_tests.drum.setup.FASTEST", 1.0)
     drum = short(froude_number=1.0, averaged_turns=1.0)
     with pytest.raises(RunFailedError, match="carries the particles round"):
         Lammps(drum, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300))

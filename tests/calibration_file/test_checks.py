@@ -108,6 +108,29 @@ CASES = {
         changed(("plate_sliding_friction = 0.5", "plate_sliding_friction = 0.1")),
         "plate_sliding_friction = ",
     ),
+    "narrow-cylinder": (
+        "warning",
+        heap('cylinder_radius = "45 mm"'),
+        "cylinder_radius = ",
+    ),
+    "fast-lift": ("warning", heap('lift_speed = "0.2 m/s"'), "lift_speed = "),
+    "flow-depth": ("warning", f"{BEADS}\n{DISCHARGE}", "targets.mass_flow = "),
+    "unusual-flow": (
+        "warning",
+        f"{BEADS}\n{DISCHARGE}".replace("{ value = 1 }", "{ value = 1000 }"),
+        "targets.mass_flow = ",
+    ),
+    "fast-drum": (
+        "warning",
+        starter_file(["drum"]).replace('type = "drum"', 'type = "drum"\nfroude_number = 0.05'),
+        "froude_number",
+    ),
+    "fast-shear": ("note", starter_file(["shear"]), "[[test]]"),
+    "unusual-value": (
+        "warning",
+        changed(('value = "22 deg"', "value = 0.38")),
+        "targets.angle_of_repose = ",
+    ),
     "narrow-orifice": ("warning", f"{BEADS}\n{DISCHARGE}", "slot_width = "),
     "smooth-walls": (
         "warning",

@@ -14,6 +14,7 @@ from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.flow_target import flow_depth, unusual_flow
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,
     FLOW_TIME_LIMIT,
@@ -77,6 +78,8 @@ class Discharge(BulkTest):
     shown: ClassVar[Shown | None] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
         narrow_orifice(lambda test: test.setup.container.orifice),
+        flow_depth,
+        unusual_flow,
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {

@@ -109,11 +109,15 @@ class DischargeSetup(Setup):
         return Flow(shortest_flow(self.sizes, self.gravity), self.settling_time_limit)
 
     @cached_property
+    def beverloo_time(self) -> float:
+        """Time in which all particles flow out by Beverloo's law, s."""
+        area, opening = _equivalent_slot(self.container)
+        return flow_time(self.sizes, area, opening, self.gravity)
+
+    @cached_property
     def flow_time(self) -> float:
         """Expected time until the particles are at rest again, s."""
-        area, opening = _equivalent_slot(self.container)
-        settling = _SETTLING * natural_time(self.sizes, self.gravity)
-        return flow_time(self.sizes, area, opening, self.gravity) + settling
+        return self.beverloo_time + _SETTLING * natural_time(self.sizes, self.gravity)
 
     @property
     def usual_limit(self) -> float:

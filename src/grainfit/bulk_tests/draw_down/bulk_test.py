@@ -18,6 +18,7 @@ from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.flow_target import flow_depth, unusual_flow
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,
     FLOW_TIME_LIMIT,
@@ -92,6 +93,8 @@ class DrawDown(BulkTest):
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
         narrow_orifice(lambda test: test.setup.box.orifice),
         smooth_walls,
+        flow_depth,
+        unusual_flow,
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {

@@ -11,8 +11,10 @@ import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
+from grainfit.bulk_tests.drum.rolling_regime import fast_drum
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
@@ -20,6 +22,7 @@ from grainfit.bulk_tests.sensitivities import MODULUS, ROLLING, SLIDING, Sensiti
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.measurement.particles import Particles, write_vtk
@@ -63,6 +66,7 @@ class Drum(BulkTest):
 
     type: ClassVar[str] = "drum"
     title: ClassVar[str] = "rotating"
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_drum,)
     parts: ClassVar[Parts] = {"drum": ("drum",)}
     shown: ClassVar[Shown | None] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {

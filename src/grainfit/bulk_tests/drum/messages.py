@@ -19,9 +19,14 @@ SPEED_GIVEN_TWICE = Message(
     "Give one of them.",
 )
 TOO_FAST = Message(
-    "{rotational_speed:g} rad/s is a Froude number of {froude:.3g}: above 1 the "
-    "particles are carried all the way round.",
-    "Use less than {slowest:g} rad/s; the default is a Froude number of {usual:g}.",
+    "{rotational_speed:g} rad/s is a Froude number of {froude:.3g}. Above {fastest:g} particles "
+    "fly, and the surface has no one angle.",
+    "Use at most {slowest:.4g} rad/s; the default is a Froude number of {usual:g}.",
+)
+FAST_DRUM = Message(
+    "the Froude number is {froude:.2g}. Above {fastest:g} the bed cascades: its surface is bent to "
+    "an S, and the dynamic angle is that of its centre of mass.",
+    "Compare it with an angle that the laboratory measured in the same way, or turn slower.",
 )
 NO_ROOM = Message(
     "{fill_level:g} leaves no room to place {particle_count} particles at random.",

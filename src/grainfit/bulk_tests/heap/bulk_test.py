@@ -12,11 +12,13 @@ from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.heap import messages
+from grainfit.bulk_tests.heap.lift import fast_lift
 from grainfit.bulk_tests.heap.plate import small_plate, smooth_plate
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import LENGTH, settling_option
 from grainfit.bulk_tests.shared.part_friction import (
     AS_PARTICLES,
@@ -109,6 +111,8 @@ class Heap(BulkTest):
         surplus_particles,
         small_plate,
         smooth_plate,
+        narrow_cylinder,
+        fast_lift,
     )
     title: ClassVar[str] = "lifted cylinder"
     revision: ClassVar[int] = 2

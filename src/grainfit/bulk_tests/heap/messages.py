@@ -34,3 +34,8 @@ NO_HEAP_ON_PLATE = Message(
     "If the plate of the laboratory is rough, give plate_sliding_friction and "
     "plate_rolling_friction.",
 )
+FAST_LIFT = Message(
+    "a lift_speed of {lift_speed:g} m/s is {speed:.2g} sqrt(g d). Above {fastest:g} the column "
+    "collapses rather than flows out, and the angle is several degrees lower.",
+    "Keep it only if the laboratory lifts as fast; the default is {usual:.3g} m/s.",
+)

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from grainfit.bulk_tests.abilities import LocusPoint
 from grainfit.bulk_tests.base import GRAVITY, LOWEST_GRAVITY, BulkTest, Parts
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
@@ -27,11 +28,13 @@ from grainfit.bulk_tests.shear.flow import (
     velocity_profile,
 )
 from grainfit.bulk_tests.shear.picture import draw_shear
+from grainfit.bulk_tests.shear.quasi_static import fast_shear
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.bulk_tests.shear.validity import require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
 from grainfit.bulk_tests.stiffness import IN_SHEAR, OverlapLaw
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
 from grainfit.contact_models.contact import particle_mass
 from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Response
@@ -83,6 +86,7 @@ class Shear(BulkTest):
 
     type: ClassVar[str] = "shear"
     title: ClassVar[str] = "plane shear under a normal stress"
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_shear,)
     #: Both plates are glued particles.
     parts: ClassVar[Parts] = {}
     overlap_law: ClassVar[OverlapLaw] = IN_SHEAR

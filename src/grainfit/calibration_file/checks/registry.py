@@ -19,6 +19,7 @@ from grainfit.calibration_file.checks.run_times import long_calibration, short_t
 from grainfit.calibration_file.checks.same_simulation import repeated_simulation, shared_simulation
 from grainfit.calibration_file.checks.solid_fractions import impossible_bulk_density
 from grainfit.calibration_file.checks.targets import targets_of_test, too_few_targets
+from grainfit.calibration_file.checks.unusual_values import unusual_value
 from grainfit.checks import Check, Finding
 from grainfit.contact_models.checks import large_time_step, solvers_differ
 from grainfit.which_test.open_parameters import open_parameters
@@ -36,6 +37,7 @@ _BEFORE_TESTS: tuple[Check[FileContext], ...] = (
     few_particles,
     near_spheres,
     impossible_bulk_density,
+    unusual_value,
 )
 _AFTER_TESTS: tuple[Check[FileContext], ...] = (fine_tolerance, short_timeout, long_calibration)
 

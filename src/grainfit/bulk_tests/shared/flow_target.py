@@ -1,0 +1,42 @@
+"""Checks of a measured mass flow: through which depth, and how far from Beverloo's law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.bulk_tests.shared import messages
+from grainfit.checks import Found, check
+from grainfit.formatting import millimetres
+from grainfit.scenes.packing import mean_particle_volume
+
+#: A measured flow this many times another one than Beverloo's law is due to a unit or a slip.
+_FAR = 10.0
+
+
+@check("flow-depth", "warning")
+def flow_depth(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Measured flows through a slot whose depth the file does not give."""
+    test = checked.test
+    depth = test.setup.option("depth")
+    if "mass_flow" in checked.targets and test.depth is None and depth is not None:
+        yield "targets.mass_flow", messages.FLOW_DEPTH(depth=millimetres(depth))
+
+
+@check("unusual-flow", "warning")
+def unusual_flow(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Measured flows ten times more or less than Beverloo's law gives."""
+    measured, setup = checked.targets.get("mass_flow"), checked.test.setup
+    if not measured or DENSITY not in checked.lowest:
+        return
+    volume = setup.filling.particle_count * mean_particle_volume(setup.sizes)
+    rate = volume / setup.beverloo_time
+    low, high = (ends[DENSITY] * rate for ends in (checked.lowest, checked.highest))
+    if not low / _FAR <= measured <= high * _FAR:
+        expected = (low * high) ** 0.5
+        yield (
+            "targets.mass_flow",
+            messages.UNUSUAL_FLOW(measured=measured, times=measured / expected, expected=expected),
+        )

@@ -1,0 +1,51 @@
+"""Values beside all experience, which are due to a unit more often than to a material."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.calibration_file.checks import messages
+from grainfit.calibration_file.checks.context import FileContext
+from grainfit.calibration_file.checks.targets import targets_of_test
+from grainfit.checks import Found, check
+
+#: Densities of solids, kg/m^3: from aerogels and cork to tungsten and gold.
+_DENSITIES = (50.0, 2.3e4)
+#: Gravity from small bodies to a centrifuge of 50 g, m/s^2.
+_GRAVITIES = (0.1, 500.0)
+#: Diameters of particles that a laboratory pours, m.
+_DIAMETERS = (1e-6, 0.2)
+#: Angles of beds: below, even frictionless spheres are steeper; above, nothing flows.
+_ANGLES = (3.0, 75.0)
+
+
+@check("unusual-value", "warning")
+def unusual_value(context: FileContext) -> Iterator[Found]:
+    """Values beside all experience, which may be in another unit."""
+    ends = context.intervals.get(DENSITY)
+    if ends is not None and not _DENSITIES[0] <= max(ends) <= _DENSITIES[1]:
+        unit = "g/cm^3" if max(ends) < _DENSITIES[0] else "g/m^3"
+        yield DENSITY, messages.UNUSUAL_DENSITY(value=max(ends), unit=unit)
+    largest = max(context.file.sizes.diameters) if context.file.sizes else None
+    if largest is not None and not _DIAMETERS[0] <= largest <= _DIAMETERS[1]:
+        yield "particle.diameter", messages.UNUSUAL_DIAMETER(value=largest)
+    for name, test in context.bulk_tests.items():
+        gravity = float(test.gravity)
+        if not _GRAVITIES[0] <= gravity <= _GRAVITIES[1]:
+            key = context.key(name, "gravity")
+            yield key, messages.UNUSUAL_GRAVITY(test=name, value=gravity)
+        for response, value in targets_of_test(context, name, test).items():
+            info = test.responses.get(response)
+            if info is None or value is None or info.unit != "deg" or not value:
+                continue
+            if not _ANGLES[0] <= abs(value) <= _ANGLES[1]:
+                key = context.key(name, f"targets.{response}")
+                yield key, _angle(f"{name}: {response}", value)
+
+
+def _angle(name: str, value: float) -> str:
+    """Return what is said of an angle: one below 3 may be in radians, or a tangent."""
+    if value < _ANGLES[0]:
+        return messages.SMALL_ANGLE(name=name, value=value)
+    return messages.STEEP_ANGLE(name=name, value=value, rest=90.0 - value)
