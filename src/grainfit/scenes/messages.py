@@ -194,6 +194,10 @@ UNSTABLE = Message(
     _SMALLER_STEP,
 )
 BROKEN = Message(
-    "the simulation became unstable in the {stage} stage: particles broke out of the {container}:",
+    "the simulation became unstable in the {stage} stage: {left} broke out of the {container}:",
     _SMALLER_STEP,
+)
+LEFT = Message(
+    "{left} left the box in the {stage} stage, which is closed:",
+    "no wall held them; see where with 'grainfit preview' and 'grainfit simulate --animate'",
 )

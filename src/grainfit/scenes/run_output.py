@@ -78,10 +78,17 @@ class RunOutput:
     ----------
     folder : Path
         Folder of the run.
+    begun : int, optional
+        Number of particles at the beginning, where it is known.
+    struck : collection of str
+        Stages that begin by striking particles off, where `begun` is known.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(
+        self, folder: Path, begun: int | None = None, struck: Collection[str] = ()
+    ) -> None:
         self.folder = Path(folder)
+        self._begun, self._struck = begun, struck
 
     def __repr__(self) -> str:
         return f"RunOutput({shortened(str(self.folder))})"
@@ -192,16 +199,20 @@ class RunOutput:
         table = table[np.append(True, np.diff(table[:, 0]) > 0)[: len(table)]]
         return dict(zip(names, table.T, strict=True))
 
-    def require_good(self, container: str = "walls") -> tuple[StageEnd, ...]:
+    def require_good(self, container: str = "") -> tuple[StageEnd, ...]:
         """Raise `RunFailedError` if a stage that was reached went wrong; return the stages.
 
         Parameters
         ----------
         container : str
-            Container that particles may break out of.
+            Container that only an unstable simulation lets particles break out of; ``""`` where
+            the walls are the user's.
         """
+        before = self._begun
         for stage in self.stages:
-            reason = _what_went_wrong(stage, container)
+            known = None if stage.name in self._struck else before
+            reason = _what_went_wrong(stage, container, _left(known, stage.particles))
+            before = None if self._begun is None else stage.particles
             if reason:
                 raise RunFailedError(reason, self.log_tail())
         return self.stages
@@ -234,7 +245,14 @@ def _stage_end(row: Sequence[str]) -> StageEnd:
     return StageEnd(name, end, int(step), float(time), int(particles), float(energy))
 
 
-def _what_went_wrong(stage: StageEnd, container: str) -> str:
+def _left(before: int | None, after: int) -> str:
+    """Return how many particles left the box in a stage, in words."""
+    if after == 0:
+        return "all particles" if before is None else f"all {before} particles"
+    return "particles" if before is None else f"{before - after} of {before} particles"
+
+
+def _what_went_wrong(stage: StageEnd, container: str, left: str) -> str:
     """Return why a stage did not end as it should, with what may help; empty if it did."""
     name, energy, time = stage.name, stage.kinetic_energy, stage.time
     if not math.isfinite(energy):
@@ -245,4 +263,8 @@ def _what_went_wrong(stage: StageEnd, container: str) -> str:
         return messages.UNLOADED(stage=name, time=time)
     if stage.end == "unstable":
         return messages.UNSTABLE(stage=name, energy=energy)
-    return messages.BROKEN(stage=name, container=container) if stage.end == "broken" else ""
+    if stage.end != "broken":
+        return ""
+    if container:
+        return messages.BROKEN(stage=name, left=left, container=container)
+    return messages.LEFT(stage=name, left=left)

@@ -12,7 +12,15 @@ from grainfit.errors import RunFailedError
 from grainfit.measurement.particles import read_frames
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed
 from grainfit.scenes.film import FILM, Film
-from grainfit.scenes.records import Force, Frames, KineticEnergy, MassAbove, Recorded, Series
+from grainfit.scenes.records import (
+    Force,
+    Frames,
+    KineticEnergy,
+    MassAbove,
+    Recorded,
+    Series,
+    Travel,
+)
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Cylinder, Plane
@@ -115,8 +123,57 @@ class StageContract(SimulatedScenes):
 
         assert [end.end for end in out.stages] == ["broken"]
         assert out.stages[0].particles == 1
-        with pytest.raises(RunFailedError, match="broke out of the pot"):
+        with pytest.raises(RunFailedError, match="1 of 2 particles broke out of the pot"):
             out.require_complete(["fill", "after"], "pot")
+        with pytest.raises(RunFailedError, match="1 of 2 particles left the box in the fill stage"):
+            out.require_good()
+
+    def test_a_closed_stage_that_all_particles_leave_says_so(self, run: Run) -> None:
+        box = replace(BOX, low=(-0.1, -0.1, -0.03))
+        particles = spheres([(0.05, 0, 0.01), (0, 0.05, 0.02)])
+        fill = Stage("fill", AtRest(1.0, at_least=0.2), is_closed=True)
+        walls = {"table": Wall(Block((-0.02, -0.02, -0.02), (0.02, 0.02, 0.0)))}
+        with pytest.raises(RunFailedError, match="all 2 particles left the box in the fill stage"):
+            run(scene_of(particles, walls, [fill], DAMPED, box=box)).require_good()
+
+    def test_an_empty_box_is_a_result(self, run: Run) -> None:
+        columns: dict[str, Recorded] = {
+            "mass": MassAbove(-1.0),
+            "energy": KineticEnergy(),
+            "floor": Force("floor", "z"),
+            "way": Travel("floor"),
+        }
+        recorded = Series(columns, 0.01)
+        down = {"floor": Velocity("z", -0.1)}
+        stages = [
+            Stage("fall", Elapsed(0.3), frames=Frames("falling", 0.02), snapshot="fallen"),
+            Stage("rest", AtRest(1.0, at_least=0.1), motions=down, series=recorded),
+            Stage("on", Elapsed(0.05), motions=down, frames=Frames("going", 0.02), series=recorded),
+            Stage("struck", Elapsed(0.01), strike_off=0.0, snapshot="end"),
+        ]
+        walls = {"floor": Wall(Block((0.05, -0.02, -0.01), (0.08, 0.02, 0.0)))}
+        box = replace(BOX, low=(-0.1, -0.1, -0.05))
+        particles = spheres([(0, 0, 0.05), (0, 0.02, 0.08)])
+        scene = scene_of(particles, walls, stages, DAMPED, box=box, film_interval=0.05)
+        out = run(scene)
+
+        ends = [(end.name, end.end, end.particles) for end in out.require_good()]
+        assert ends == [
+            ("fall", "done", 0),
+            ("rest", "at_rest", 0),
+            ("on", "done", 0),
+            ("struck", "done", 0),
+        ]
+        assert out.stages[-1].time == pytest.approx(0.46, abs=4 * scene.time_step)
+        assert len(out.snapshot("fallen")) == len(out.snapshot("end")) == 0
+        series = out.series("on")
+        assert not any(series[name].any() for name in ("mass", "energy", "floor"))
+        assert series["way"] == pytest.approx(-0.1 * (series["time"] - out.stages[0].time))
+        assert np.diff(series["time"]) == pytest.approx(0.01, abs=scene.time_step)
+        assert [len(frame.particles) for frame in out.frames("falling")][-1] == 0
+        assert len([*out.frames("going")]) in (2, 3)
+        film = Film(out.folder / FILM)
+        assert out.stages[-1].time - film.steps[-1] * scene.time_step < 0.05 + scene.time_step
 
     def test_frames_are_recorded_during_a_stage(self, run: Run) -> None:
         fall = Stage("fall", Elapsed(0.05), frames=Frames("falling", 0.01), snapshot="end")

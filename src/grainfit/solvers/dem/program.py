@@ -268,8 +268,23 @@ class DeckSolver(Solver):
         self._require_concepts(scene.concepts())
         if self.contact_models:
             scene = replace(scene, contact_models=self.contact_models)
-        self._simulate(self.deck(scene, workspace.folder).write(), workspace)
-        return RunOutput(workspace.folder)
+        deck = self.deck(scene, workspace.folder)
+        try:
+            self._simulate(deck.write(), workspace)
+        except RunFailedError as error:
+            if not self._ended_empty(error, scene, deck):
+                raise
+        struck = [stage.name for stage in scene.stages if stage.strike_off is not None]
+        return RunOutput(workspace.folder, len(scene.particles.size_indices), struck)
+
+    def _ended_empty(
+        self,
+        error: RunFailedError,  # noqa: ARG002
+        scene: Scene,  # noqa: ARG002
+        deck: SceneDeck,  # noqa: ARG002
+    ) -> bool:
+        """Return whether the program failed only because its box is empty, and the run is whole."""
+        return False
 
     @override
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:

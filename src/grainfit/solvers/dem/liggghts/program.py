@@ -11,11 +11,13 @@ from typing import ClassVar
 from typing_extensions import override
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.errors import InputError, SolverNotFoundError
+from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.materials.walls import plain_name
 from grainfit.messages import Message
+from grainfit.scenes.scene import Scene
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
+from grainfit.solvers.dem.liggghts.empty_box import REFUSALS, EmptyBox
 from grainfit.solvers.dem.liggghts.scene_deck import MISSING, LiggghtsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.speed import Speed
@@ -55,6 +57,17 @@ class Liggghts(DeckSolver):
         ]
         if faults:
             raise InputError(faults)
+
+    @override
+    def _ended_empty(self, error: RunFailedError, scene: Scene, deck: SceneDeck) -> bool:
+        assert isinstance(deck, LiggghtsSceneDeck)
+        if not any(refusal in error.reason for refusal in REFUSALS):
+            return False
+        box = EmptyBox(scene, deck.folder, deck.snapshot_columns)
+        if not box.can_end():
+            return False
+        box.end()
+        return True
 
     def _launcher(self) -> str:
         found = shutil.which("mpiexec.openmpi") or shutil.which("mpiexec")
