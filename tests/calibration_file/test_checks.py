@@ -39,6 +39,21 @@ CLASSES = (
     'diameter = [{ value = "10 mm", mass_fraction = 0.001 },'
     ' { value = "8 mm", mass_fraction = 0.999 }]'
 )
+#: A column that begins below its gate; the force on the gate is recorded at once.
+GATE = """
+from grainfit.scenes import *
+
+def scene(material, sizes, seed, gravity, time_step):
+    particles = random_column(sizes, 20, Round(0.05), seed)
+    top = particles.height + 0.01
+    fill = Stage("fill", AtRest(1.0), series=Series({"load": Force("gate", "z")}, every=0.01))
+    return Scene(
+        title="gate", material=material, sizes=sizes, particles=particles,
+        box=Box((-0.1, -0.1, -0.1), (0.1, 0.1, 2 * top)),
+        walls={"gate": Wall(Plane("z", top))}, stages=(fill,),
+        gravity=gravity, time_step=time_step, quiet_speed=0.01, check_interval=0.01,
+    )
+"""
 #: Two tests on the output of the same command, and on the same function.
 COMMANDS, FUNCTIONS = (
     'name = "sand"\n[parameters]\nfriction = { min = 0.1, max = 0.9 }\n'
@@ -145,6 +160,16 @@ CASES = {
         changed((DIAMETER, f"{DIAMETER}\ncoarse_graining = 2"), text=BLADE),
         "scene = ",
     ),
+    "particles-not-held": (
+        "warning",
+        changed(("blade.py:scene", "gate.py:scene"), text=BLADE),
+        "scene = ",
+    ),
+    "forces-after-fill": (
+        "note",
+        changed(("blade.py:scene", "gate.py:scene"), text=BLADE),
+        "scene = ",
+    ),
     "fine-tolerance": (
         "note",
         changed(('uncertainty = "1 %"', "uncertainty = 1")),
@@ -159,6 +184,7 @@ CASES = {
 def folder(tmp_path: Path) -> Path:
     """Folder of a calibration file with the models of all tests."""
     shutil.copy(ROOT / "examples" / "blade" / "blade.py", tmp_path)
+    (tmp_path / "gate.py").write_text(GATE)
     (tmp_path / "model").mkdir()
     code = "def angle(*given):\n    return {}\n\n\ndef flow(*given):\n    return {}\n"
     for place in (tmp_path, tmp_path / "model"):

@@ -199,5 +199,6 @@ BROKEN = Message(
 )
 LEFT = Message(
     "{left} left the box in the {stage} stage, which is closed:",
-    "no wall held them; see where with 'grainfit preview' and 'grainfit simulate --animate'",
+    "no wall held them, or they are too soft for the speed of their fall; see where with 'grainfit "
+    "preview' and 'grainfit simulate --animate'",
 )

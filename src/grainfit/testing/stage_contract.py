@@ -12,6 +12,7 @@ from grainfit.errors import RunFailedError
 from grainfit.measurement.particles import read_frames
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed
 from grainfit.scenes.film import FILM, Film
+from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.records import (
     Force,
     Frames,
@@ -22,7 +23,7 @@ from grainfit.scenes.records import (
     Travel,
 )
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Stage, Velocity, Wall
+from grainfit.scenes.scene import Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import Block, Cylinder, Plane
 from grainfit.testing.simulated_scenes import (
     BOX,
@@ -32,10 +33,13 @@ from grainfit.testing.simulated_scenes import (
     GRAVITY,
     MASS,
     RADIUS,
+    SIZES,
     WEIGHT,
     Run,
     SimulatedScenes,
     frames,
+    material,
+    means,
     resting_overlap,
     scene_of,
     settle,
@@ -135,6 +139,33 @@ class StageContract(SimulatedScenes):
         walls = {"table": Wall(Block((-0.02, -0.02, -0.02), (0.02, 0.02, 0.0)))}
         with pytest.raises(RunFailedError, match="all 2 particles left the box in the fill stage"):
             run(scene_of(particles, walls, [fill], DAMPED, box=box)).require_good()
+
+    def test_floor_and_wall_carry_the_weight_of_a_bed(self, run: Run) -> None:
+        values = material(restitution=0.3, sliding_friction=0.4)
+        radius, top = 5 * RADIUS, 0.19
+        walls = {**FLOOR, "tube": Wall(Cylinder(radius, -0.1, 0.2))}
+        both: dict[str, Recorded] = {"floor": Force("floor", "z"), "wall": Force("tube", "z")}
+        recorded = Series(both, 0.002)
+        lower = {"floor": Velocity("z", -0.01)}
+        stages = [
+            Stage("fill", AtRest(5.0, at_least=0.2), is_closed=True),
+            Stage("filled", Elapsed(0.02), series=recorded),
+            Stage("lower", Elapsed(0.3), motions=lower),
+            Stage("settle", AtRest(5.0, at_least=0.1)),
+            Stage("lowered", Elapsed(0.02), series=recorded, snapshot="end"),
+        ]
+        column = random_column(SIZES, 80, Round(radius), 1)
+        assert column.height < top
+        options = {"time_step": time_step(SIZES, values, 0.1), "quiet_speed": 2e-4}
+        out = run(scene_of(column, walls, stages, values, **options))
+
+        out.require_complete([stage.name for stage in stages], "tube")
+        weight = 80 * WEIGHT
+        for stage in ("filled", "lowered"):
+            forces = means(out, stage)
+            assert forces["floor"] + forces["wall"] == pytest.approx(-weight, rel=1e-2)
+        # The bed hangs on the wall once it has moved down.
+        assert forces["wall"] < -0.1 * weight
 
     def test_an_empty_box_is_a_result(self, run: Run) -> None:
         columns: dict[str, Recorded] = {

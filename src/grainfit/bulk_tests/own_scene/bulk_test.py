@@ -13,6 +13,7 @@ from typing import Any, ClassVar, NoReturn, Self
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest, read_sizes
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
+from grainfit.bulk_tests.own_scene.checks import forces_after_fill, particles_not_held
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.trial import require_return
@@ -128,7 +129,11 @@ class OwnScene(BulkTest):
     """
 
     type: ClassVar[str] = "scene"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (coarse_grained_scene,)
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+        coarse_grained_scene,
+        particles_not_held,
+        forces_after_fill,
+    )
     title: ClassVar[str] = "a scene of your own"
     responses: ClassVar[Mapping[str, ResponseInfo]] = {}
     shown: ClassVar[Shown | None] = Shown("particles", "", snapshot_file(END), _PICTURE)
@@ -345,6 +350,11 @@ class OwnScene(BulkTest):
         assert self._planned is not None
         return self._planned[1]
 
+    @property
+    def last_planned(self) -> Scene | None:
+        """The scene that was planned last; None before."""
+        return None if self._planned is None else self._planned[1]
+
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""
         return expected_duration(self.planned(material))
@@ -419,7 +429,8 @@ class OwnScene(BulkTest):
     @property
     def number_of_particles(self) -> int:
         """Number of particles of the scene that was planned last, glued ones included; 0 before."""
-        return 0 if self._planned is None else self._planned[1].number_of_particles
+        scene = self.last_planned
+        return 0 if scene is None else scene.number_of_particles
 
 
 def _contents(files: Iterable[Path]) -> list[list[str]]:

@@ -14,3 +14,17 @@ ENDS_PYTHON = Message(
 NEVER_RETURNS = Message(
     "{function} did not return within {limit:g} s.", "Look for a loop without end."
 )
+NO_WALL_BELOW = Message(
+    "{share:.0%} of the particles begin with no wall below them, in the stage {stage}, in which a "
+    "bed is to come to rest.",
+    "Let the column begin above its gate and within its vessel, see 'grainfit preview'.",
+)
+BESIDE_VESSEL = Message(
+    "{share:.0%} of the particles begin beside the vessel, level with its walls.",
+    "Move the column into the vessel, see 'grainfit preview'.",
+)
+FORCES_AFTER_FILL = Message(
+    "the stage {stage} records forces of a bed as it was filled: the friction of its walls points "
+    "down, and its floor can carry more than the weight.",
+    "Lower the floor by half a diameter before forces are read, see docs/scenes.md.",
+)
