@@ -12,3 +12,9 @@ DAMAGED_DEFINITION = Message(
     "does not define a {type} test: {reason}.",
     "It was edited, or written by another version of grainfit.",
 )
+GIVEN = Message("Apparatus of {test}, given: {values}.")
+ASSUMED = Message("Apparatus of {test}, assumed: {values}.")
+NEVER_DESCRIBED = Message(
+    "The apparatus of {test} is not described, so all of it is assumed: {values}.",
+    "Describe that of the laboratory in [[test]], so that the same test is simulated.",
+)

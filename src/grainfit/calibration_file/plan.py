@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import chain
 
 from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines
 from grainfit.calibration.readiness import Obstacle, obstacles
+from grainfit.calibration_file.apparatus import simulated_apparatus
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.checks.context import context_of
 from grainfit.calibration_file.checks.registry import findings
@@ -53,6 +55,8 @@ class Plan:
         Problems that keep it from running; empty when there are none.
     seconds : pair of float, optional
         Smallest and largest usual wall time in all, s; None if the cost of a run is not known.
+    apparatus : mapping of str to tuple of ApparatusValue
+        Apparatus of each built-in test.
     """
 
     name: str
@@ -64,6 +68,7 @@ class Plan:
     findings: tuple[FileFinding, ...]
     problems: tuple[str, ...]
     seconds: tuple[float, float] | None = None
+    apparatus: Mapping[str, tuple[ApparatusValue, ...]] = field(default_factory=dict)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -83,6 +88,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         No other code of the user is executed, and none at all without this.
     """
     problems: list[str] = []
+    apparatus = simulated_apparatus(setup)
     lines = list(_correlation_lines(setup.problem))
     executes: list[str] = []
     without_cost: list[Obstacle] = []
@@ -104,6 +110,8 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     refused = {obstacle.test for obstacle in found}
     found += [obstacle for obstacle in without_cost if obstacle.test not in refused]
     problems += chain(*(_words(setup, obstacle) for obstacle in found))
+    for test, values in apparatus.items():
+        lines += apparatus_lines(test, values)
     lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
     lines += [f"Table {line}." for line in setup.file.tables]
@@ -138,6 +146,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         with_key_lines(setup.file.path, findings(context)),
         tuple(problems),
         time.seconds if time else None,
+        apparatus,
     )
 
 

@@ -146,6 +146,9 @@ def plan_document(file: Path, plan: Plan) -> dict[str, Any]:
             }
             for curve in plan.curves
         ],
+        "apparatus": {
+            test: [asdict(value) for value in values] for test, values in plan.apparatus.items()
+        },
         "plan": [line.strip() for line in plan.lines],
         "notes": plan.notes,
         "findings": [asdict(finding) for finding in plan.findings],

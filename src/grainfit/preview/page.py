@@ -43,6 +43,7 @@ def _described(key: str, test: PreviewedTest) -> dict[str, Any]:
         "solver": test.solver,
         "cost": test.cost_text,
         "problem": plain(test.problem),
+        "apparatus": [plain(line) for line in test.apparatus],
         "particles": count,
         "left_out": left_out,
         "glued_count": test.geometry.number_of_glued,

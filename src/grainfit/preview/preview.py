@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.files import write_atomically
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
@@ -61,7 +62,10 @@ def _previewed(name: str, solver: Solver, values: Mapping[str, float], seed: int
         cost = solver.estimate_cost(values)
     except InputError as error:
         problem = str(error)
-    return PreviewedTest(name, solver.name, scene, geometry, cost, problem)
+    test = solver.bulk_test
+    assert test is not None, "only bulk tests are previewed"
+    apparatus = tuple(apparatus_lines(name, apparatus_of(test, None, values, solver.walls)))
+    return PreviewedTest(name, solver.name, scene, geometry, cost, problem, apparatus)
 
 
 def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None:

@@ -25,6 +25,8 @@ class PreviewedTest:
         Estimated cost of a run; None when the program cannot simulate it.
     problem : str
         Why it cannot be simulated; empty when nothing was found.
+    apparatus : tuple of str
+        The apparatus, given and assumed.
     """
 
     name: str
@@ -33,6 +35,7 @@ class PreviewedTest:
     geometry: Geometry
     cost: RunCost | None
     problem: str
+    apparatus: tuple[str, ...] = ()
 
     @property
     def cost_text(self) -> str:

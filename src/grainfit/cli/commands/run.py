@@ -110,11 +110,22 @@ def _setup(file: Path, local: bool) -> CalibrationSetup:
     return setup
 
 
+def _show_apparatus(setup: CalibrationSetup, folder: Path) -> None:
+    """Print the apparatus once: before the first run of a work folder."""
+    from grainfit.calibration_file.apparatus import opening_lines
+    from grainfit.campaign.store.store import STORE_NAME
+
+    if not (folder / STORE_NAME).exists():
+        for line in opening_lines(setup):
+            err_remarks.print(line, markup=False, highlight=False)
+
+
 def _calibrate(setup: CalibrationSetup, folder: Path, **given: Any) -> Result:
     """Calibrate with a bar, and print the result."""
     from grainfit.calibration.live_progress import LiveProgress
     from grainfit.calibration_file.fault_lines import with_lines
 
+    _show_apparatus(setup, folder)
     on_command_line = {name for name, value in given.items() if value not in (None, ())}
     with (
         with_lines(setup.file.path, besides=on_command_line),

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.bulk_tests.apparatus import apparatus_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.formatting import number, plain, unit_for_people, with_unit
 from grainfit.options.tables import Key
@@ -15,7 +16,7 @@ _DIGITS = 4
 
 @dataclass(frozen=True)
 class SimulatedTest:
-    """Options of one test: names, meanings, and values with units.
+    """Options of one test: names, meanings, values with units, and which of them are assumed.
 
     Parameters
     ----------
@@ -26,7 +27,7 @@ class SimulatedTest:
     """
 
     name: str
-    options: Sequence[tuple[str, str, str]]
+    options: Sequence[tuple[str, str, str, str]]
 
 
 def simulated_tests(tests: Mapping[str, BulkTest]) -> list[SimulatedTest]:
@@ -34,12 +35,18 @@ def simulated_tests(tests: Mapping[str, BulkTest]) -> list[SimulatedTest]:
     return [SimulatedTest(plain(name), list(_options(test))) for name, test in tests.items()]
 
 
-def _options(test: BulkTest) -> Iterator[tuple[str, str, str]]:
+def _options(test: BulkTest) -> Iterator[tuple[str, str, str, str]]:
     values = test.resolved_options()
+    origins = {value.name: value.origin for value in apparatus_of(test)}
     for key in test.option_keys():
         shown = _shown(key, values.get(key.name))
         if shown:
-            yield key.name, key.description.partition(". ")[0].rstrip("."), shown
+            yield (
+                key.name,
+                key.description.partition(". ")[0].rstrip("."),
+                shown,
+                origins.get(key.name, ""),
+            )
 
 
 def _shown(key: Key, value: Any) -> str:

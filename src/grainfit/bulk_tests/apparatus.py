@@ -1,0 +1,171 @@
+"""The simulated apparatus in a laboratory's units: what was given, and what is assumed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
+
+from grainfit.bulk_tests import messages
+from grainfit.bulk_tests.abilities import friction_options, user_functions
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
+from grainfit.errors import InputError
+from grainfit.formatting import millimetres, number, plain, with_unit
+from grainfit.materials.walls import PLAIN, on_wall
+from grainfit.options.tables import Key
+from grainfit.scenes.packing import mean_particle_volume
+
+GivenOrAssumed = Literal["given", "assumed"]
+
+#: Units of lengths, speeds and stresses, which describe an apparatus; other options are numerical
+#: ones, shares and counts.
+_UNITS = ("m", "m/s", "rad/s", "Pa")
+#: Options without such a unit that a laboratory knows, too.
+_OTHERS = ("orifice", "lining", "fill_level", "inertial_number")
+#: Heights between which a density is measured are no part of an apparatus.
+_MEASURED = ("bulk_density_bottom", "bulk_density_top")
+#: Options that give another one.
+_ANOTHER_WAY = {"rotational_speed": "froude_number"}
+_DIGITS = 3
+
+
+@dataclass(frozen=True)
+class ApparatusValue:
+    """A value of an apparatus.
+
+    Parameters
+    ----------
+    name : str
+        The option, or ``particles`` for what is filled in.
+    value : str
+        With its unit.
+    origin : {"given", "assumed"}
+        Whether the calibration file says so, or a default does.
+    """
+
+    name: str
+    value: str
+    origin: GivenOrAssumed
+
+    def __str__(self) -> str:
+        return f"{self.name.replace('_', ' ')} {self.value}"
+
+
+def apparatus_of(
+    test: BulkTest,
+    given: Collection[str] | None = None,
+    material: Mapping[str, float] | None = None,
+    walls: Mapping[str, str] | None = None,
+) -> tuple[ApparatusValue, ...]:
+    """Return the apparatus of a test; nothing of a scene of the user, whose file describes it.
+
+    Parameters
+    ----------
+    test : BulkTest
+        The test.
+    given : collection of str, optional
+        Options that were given. Without it those that differ from their defaults, because runs
+        record the value of every option.
+    material : mapping of str to float, optional
+        Material parameters by dotted name: those that are known.
+    walls : mapping of str to str, optional
+        Walls with a name, by the parts that are made of them.
+    """
+    if user_functions(test):
+        return ()
+    found = _Apparatus(test, given, material or {}, walls or {})
+    return tuple(found.values())
+
+
+def apparatus_lines(test: str, values: Collection[ApparatusValue]) -> Iterator[str]:
+    """Yield an apparatus in two lines: what was given, and what is assumed."""
+    for origin, message in (("given", messages.GIVEN), ("assumed", messages.ASSUMED)):
+        listed = ", ".join(str(value) for value in values if value.origin == origin)
+        if listed:
+            yield message(test=test, values=listed)
+
+
+@dataclass(frozen=True)
+class _Apparatus:
+    test: BulkTest
+    given: Collection[str] | None
+    material: Mapping[str, float]
+    walls: Mapping[str, str]
+
+    def values(self) -> Iterator[ApparatusValue]:
+        values = self.test.resolved_options()
+        of_parts = friction_options(type(self.test))
+        frictions = {name: part for part, names in of_parts.items() for name in names}
+        for key in self.test.option_keys():
+            value = values[key.name]
+            if key.name in frictions:
+                shown = self._friction(key.name, value, frictions[key.name])
+            elif value is None or not _is_of_apparatus(key):
+                continue
+            else:
+                shown = _shown(key, value)
+            is_named = frictions.get(key.name) in self.walls
+            yield ApparatusValue(key.name, shown, "given" if is_named else self._origin(key.name))
+        yield ApparatusValue("particles", self._filling(), self._origin("particle_count"))
+
+    def _friction(self, option: str, value: Any, part: str) -> str:
+        """Return the friction of a part: its own, that of particles or that of a wall."""
+        if value is not None:
+            is_named = value == AS_PARTICLES
+            return "as between particles" if is_named else number(float(value), _DIGITS)
+        wall = self.walls.get(part, PLAIN)
+        known = self.material.get(on_wall(option.replace(f"{part}_", "particle_wall."), wall))
+        words = f"of the {wall or 'walls'}"
+        return words if known is None else f"{words}, {number(known, _DIGITS)}"
+
+    def _filling(self) -> str:
+        count = self.test.number_of_particles
+        density = self.material.get(DENSITY)
+        if density is None:
+            return str(count)
+        mass = count * mean_particle_volume(self.test.sizes) * density
+        return f"{count}, {number(mass, _DIGITS)} kg"
+
+    def _origin(self, option: str) -> GivenOrAssumed:
+        if self.given is not None:
+            names = {option, _ANOTHER_WAY.get(option, option)}
+            return "given" if names & set(self.given) else "assumed"
+        return "assumed" if self._is_default(option) else "given"
+
+    def _is_default(self, option: str) -> bool:
+        """Return whether an option has the value that it has when it is not given."""
+        defaults: dict[str, Any] = {field.name: field.default for field in fields(self.test)}
+        if option not in defaults:
+            return True
+        try:
+            usual = replace(self.test, **{option: defaults[option]}).resolved_options()[option]
+        except InputError:
+            return False
+        value = self.test.resolved_options()[option]
+        if isinstance(value, float) and isinstance(usual, float):
+            return math.isclose(value, usual, rel_tol=1e-9)
+        return bool(value == usual)
+
+
+def _is_of_apparatus(key: Key) -> bool:
+    unit = getattr(key.kind, "unit", None)
+    return key.name in _OTHERS or (unit in _UNITS and key.name not in _MEASURED)
+
+
+def _shown(key: Key, value: Any) -> str:
+    """Return a value in the unit of a laboratory."""
+    unit = getattr(key.kind, "unit", "")
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list | tuple):
+        return ", ".join(_shown(key, one) for one in value)
+    if not isinstance(value, int | float):
+        return plain(str(value))
+    if unit == "m":
+        return millimetres(float(value))
+    if unit == "rad/s":
+        return f"{number(30 * float(value) / math.pi, _DIGITS)} rpm"
+    return with_unit(number(float(value), _DIGITS), str(unit or ""))

@@ -1,0 +1,35 @@
+"""The apparatus of the tests of a calibration file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from grainfit.bulk_tests import messages
+from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines, apparatus_of
+from grainfit.calibration_file.build import CalibrationSetup
+
+
+def simulated_apparatus(setup: CalibrationSetup) -> dict[str, tuple[ApparatusValue, ...]]:
+    """Return the apparatus of each built-in test, with free parameters in their middle.
+
+    Parameters
+    ----------
+    setup : CalibrationSetup
+        The calibration.
+    """
+    material = {**setup.file.fixed, **setup.problem.middle}
+    given = {test.name: test.options for test in setup.file.tests}
+    found = {
+        name: apparatus_of(test, given[name], material, setup.solvers[name].walls)
+        for name, test in setup.bulk_tests.items()
+    }
+    return {name: values for name, values in found.items() if values}
+
+
+def opening_lines(setup: CalibrationSetup) -> Iterator[str]:
+    """Yield the apparatus before the first run; of a test that is not described, that it is not."""
+    for name, values in simulated_apparatus(setup).items():
+        if any(value.origin == "given" and "friction" not in value.name for value in values):
+            yield from apparatus_lines(name, values)
+        else:
+            yield messages.NEVER_DESCRIBED(test=name, values=", ".join(map(str, values)))
