@@ -290,7 +290,7 @@ def evaluate(
     simulate: Callable[[dict[str, float], int], dict[str, float]], address: str, own: RunStore
 ) -> Evaluation:
     """Ask for one run, which a process that shows no life for a second loses."""
-    timing = Timing(beat_seconds=0.2, lease_seconds=1.0)
+    timing = Timing(beat_seconds=0.2, lease_seconds=3.0)
     with share(address, None, own, timing) as shared:
         solver = PythonCallable(simulate, identity="one run of two")
         campaign = Campaign({"drum": solver}, own, None, shared=shared)
