@@ -6,7 +6,9 @@ import http.client
 import json
 import signal
 import socket
+import threading
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -157,6 +159,60 @@ def test_many_idle_connections_do_not_hang_up_the_server(server: WatchServer) ->
     for connection in idle:
         connection.close()
     wait_for(lambda: ask(server, f"/{server.token}/")[0] == 200, 20)
+
+
+@contextmanager
+def slow_clients(port: int, count: int) -> Iterator[list[socket.socket]]:
+    """Connections that send a byte now and then, and never a whole request."""
+    clients = [socket.create_connection(("127.0.0.1", port)) for _ in range(count)]
+    ended = threading.Event()
+
+    def send() -> None:
+        while not ended.wait(0.2):
+            for client in clients:
+                with suppress(OSError):
+                    client.send(b"G")
+
+    thread = threading.Thread(target=send, daemon=True)
+    thread.start()
+    yield clients
+    ended.set()
+    thread.join()
+    for client in clients:
+        client.close()
+
+
+def test_slow_clients_lock_nobody_out_who_has_the_token(server: WatchServer) -> None:
+    port = server.socket.getsockname()[1]
+    stream = socket.create_connection(("127.0.0.1", port), timeout=20)
+    stream.sendall(f"GET /{server.token}/events HTTP/1.0\r\nHost: localhost\r\n\r\n".encode())
+    assert stream.recv(12) == b"HTTP/1.0 200"
+
+    def answers() -> bool:
+        try:
+            return ask(server, f"/{server.token}/")[0] == 200
+        except OSError:
+            return False
+
+    with slow_clients(port, 64):
+        wait_for(answers, 20)
+    # Nor do they push out those who are there.
+    stream.settimeout(0.5)
+    with suppress(TimeoutError):
+        while True:
+            assert stream.recv(65536)
+    stream.close()
+
+
+def test_a_request_that_does_not_end_is_ended(
+    server: WatchServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grainfit.watch.server._REQUEST_SECONDS", 1.0)
+    with slow_clients(server.socket.getsockname()[1], 3) as clients:
+        for client in clients:
+            client.settimeout(20)
+            with suppress(ConnectionResetError):
+                assert client.recv(1) == b""
 
 
 @pytest.fixture

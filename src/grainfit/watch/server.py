@@ -36,9 +36,12 @@ HOST = "127.0.0.1"
 #: site reaches the port under its own name only (DNS rebinding).
 _NAMES = ("127.0.0.1", "localhost")
 _JSON, _HTML = "application/json", "text/html; charset=utf-8"
-_REQUEST_SECONDS = 10.0
+#: Time in which a client has to send its request, and after which one that has not gives its place
+#: to another when there is no free one.
+_REQUEST_SECONDS, _PATIENT_SECONDS = 10.0, 1.0
 #: Interval of the signs of life in a stream of events, s.
 _ALIVE_SECONDS = 15.0
+#: Connections of those who have the token, and of those who have not sent it yet.
 _MOST_CONNECTIONS = 64
 #: Time for which the address of `WatchServer.ticket` holds, s.
 _TICKET_SECONDS = 60.0
@@ -107,7 +110,9 @@ class WatchServer(ThreadingHTTPServer):
         self.token = token or new_token()
         self.follower = Follower(folder)
         self._tickets: dict[str, float] = {}
-        self._free = threading.BoundedSemaphore(_MOST_CONNECTIONS)
+        self._lock = threading.Lock()
+        self._strangers: dict[socket.socket, float] = {}
+        self._holders: set[socket.socket] = set()
 
     @property
     def address(self) -> str:
@@ -127,17 +132,53 @@ class WatchServer(ThreadingHTTPServer):
 
     @override
     def process_request(self, request: Any, client_address: Any) -> None:
-        if self._free.acquire(blocking=False):
+        if self._has_place(request):
             super().process_request(request, client_address)
         else:
             self.shutdown_request(request)
+
+    def _has_place(self, request: socket.socket) -> bool:
+        """Return whether a client may send its request; the slowest one goes for it."""
+        now = time.monotonic()
+        with self._lock:
+            oldest, since = next(iter(self._strangers.items()), (None, now))
+            if len(self._strangers) >= _MOST_CONNECTIONS and oldest is not None:
+                if now - since < _PATIENT_SECONDS:
+                    return False
+                self._send_away(oldest)
+            self._strangers[request] = now
+        return True
+
+    def welcome(self, request: socket.socket) -> bool:
+        """Give a client with the token a place that no stranger can take; False if none is free."""
+        with self._lock:
+            if len(self._holders) >= _MOST_CONNECTIONS:
+                return False
+            self._strangers.pop(request, None)
+            self._holders.add(request)
+        return True
+
+    @override
+    def service_actions(self) -> None:
+        """Send away clients that have not sent their request in time, a few times a second."""
+        late = time.monotonic() - _REQUEST_SECONDS
+        with self._lock:
+            for request in [one for one, since in self._strangers.items() if since < late]:
+                self._send_away(request)
+
+    def _send_away(self, request: socket.socket) -> None:
+        del self._strangers[request]
+        with suppress(OSError):
+            request.shutdown(socket.SHUT_RDWR)
 
     @override
     def process_request_thread(self, request: Any, client_address: Any) -> None:
         try:
             super().process_request_thread(request, client_address)
         finally:
-            self._free.release()
+            with self._lock:
+                self._strangers.pop(request, None)
+                self._holders.discard(request)
 
     @override
     def handle_error(self, request: Any, client_address: Any) -> None:
@@ -173,6 +214,8 @@ class _Handler(BaseHTTPRequestHandler):
             self._redirect(f"/{self.server.token}/")
         elif not self._is_token(token):
             self._refuse(HTTPStatus.NOT_FOUND, "There is no such page. Copy the whole address.")
+        elif not self.server.welcome(self.connection):
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, "The page is open too many times.")
         elif not slash:
             self._redirect(f"/{self.server.token}/")
         elif not rest:
