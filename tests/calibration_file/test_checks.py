@@ -170,6 +170,11 @@ CASES = {
         changed(("blade.py:scene", "gate.py:scene"), text=BLADE),
         "scene = ",
     ),
+    "finer-than-instruments": (
+        "warning",
+        changed(('uncertainty = "1 %"', "uncertainty = 1")),
+        "targets.bulk_density = ",
+    ),
     "fine-tolerance": (
         "note",
         changed(('uncertainty = "1 %"', "uncertainty = 1")),

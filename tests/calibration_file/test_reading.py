@@ -151,7 +151,21 @@ def test_measurements_give_value_and_uncertainty(tmp_path: Path) -> None:
     )
     [_, target] = load(text, tmp_path).tests[0].targets
     assert target.value == pytest.approx(statistics.fmean(angles), rel=1e-12)
-    assert target.uncertainty == pytest.approx(statistics.stdev(angles) / 2, rel=1e-12)
+    # Student's t of 0.975 with 3 degrees of freedom is 3.1824.
+    error = statistics.stdev(angles) / 2
+    assert target.uncertainty == pytest.approx(3.1824 / 1.96 * error, rel=1e-4)
+
+
+def test_the_systematic_part_and_the_tolerance_are_apart(tmp_path: Path) -> None:
+    text = replaced(
+        '{ value = "22 deg", uncertainty = "0.5 deg" }',
+        '{ measurements = [22, 22], systematic = "0.4 deg", tolerance = "1 deg" }',
+    )
+    [_, target] = load(text, tmp_path).tests[0].targets
+    assert (target.value, target.uncertainty, target.tolerance) == (22.0, 0.4, 1.0)
+    assert target == Target.of_measurements(
+        "angle_of_repose", ["22 deg"] * 2, systematic="0.4 deg", tolerance="1 deg"
+    )
 
 
 def test_own_model_keeps_its_own_units(tmp_path: Path) -> None:

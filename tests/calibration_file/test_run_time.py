@@ -138,7 +138,7 @@ def test_a_density_in_another_unit_is_called_that(tmp_path: Path, change: tuple[
 def test_a_tolerance_far_below_the_scatter_is_noted(tmp_path: Path) -> None:
     def found(uncertainty: str) -> list[str]:
         beads = setup(tmp_path, ('uncertainty = "1 %"', f"uncertainty = {uncertainty}"))
-        return [note for note in beads.notes() if "its tolerance" in note]
+        return [note for note in beads.notes() if "runs scatter by" in note]
 
     # Meant as 1 %, and read as 1 kg/m^3.
     [note] = found("1")

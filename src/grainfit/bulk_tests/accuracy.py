@@ -65,6 +65,8 @@ _OF_UNIT: Mapping[str, Accuracy] = {
     "": Accuracy(0.02),
 }
 _ANY = Accuracy(0.05, is_share=True)
+#: The best instruments beside what a laboratory usually has.
+_BEST = 0.1
 
 
 def usual_accuracy(response: str, unit: str) -> Accuracy:
@@ -78,3 +80,16 @@ def usual_accuracy(response: str, unit: str) -> Accuracy:
         Its unit.
     """
     return _OF_RESPONSE.get(response) or _OF_UNIT.get(unit, _ANY)
+
+
+def finest_accuracy(response: str, unit: str) -> Accuracy:
+    """Return the accuracy that the best instruments reach: a tenth of the usual one.
+
+    Parameters
+    ----------
+    response : str
+        Its name in the bulk test.
+    unit : str
+        Its unit.
+    """
+    return usual_accuracy(response, unit).times(_BEST)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import statistics
 from dataclasses import dataclass
 from typing import Any, get_args
@@ -84,20 +83,19 @@ class TargetTable(Kind):
         return Table((*_target_keys(own_quantity(value)), _OWN_UNIT), self._target)
 
     def _target(self, values: Values, place: Place) -> Target | None:
-        value, uncertainty = _measured(values, place)
+        value = _measured(values, place)
         if value is None or None in values.values() or _note_relative_to_zero(values, value, place):
             return None
-        given = values.get("uncertainty")
+        options: dict[str, Any] = {
+            key: _absolute(values[key], value) for key in _WIDTHS if key in values
+        }
+        options |= {key: values[key] for key in ("weight", "statistic") if key in values}
+        unit = values.get("unit", "") if self.quantity is None else self.quantity.unit or ""
         try:
-            return Target(
-                place.key,
-                value,
-                uncertainty=_absolute(given, value) if given else uncertainty,
-                tolerance=_absolute(values.get("tolerance"), value),  # type: ignore[arg-type]
-                weight=values.get("weight", 1.0),
-                unit=values.get("unit", "") if self.quantity is None else self.quantity.unit or "",
-                statistic=values.get("statistic", "mean"),
-            )
+            if "measurements" in values:
+                measurements = values["measurements"]
+                return Target.of_measurements(place.key, measurements, unit=unit, **options)
+            return Target(place.key, value, unit=unit, **options)
         except InputError as error:
             place.note(error, values, place.at("measurements"))
             return None
@@ -120,6 +118,8 @@ class PlannedTargetTable(TargetTable):
         return PlannedTarget(values.get("value"), Accuracy(*given) if given else None)
 
 
+#: Keys that are deviations from the value.
+_WIDTHS = ("uncertainty", "systematic", "tolerance")
 _OWN_UNIT = Key("unit", Text(), "Unit of the response as your model yields it, for people.")
 
 
@@ -131,7 +131,14 @@ def _target_keys(quantity: Quantity) -> tuple[Key, ...]:
             "measurements",
             ListOf(quantity, shortest=2),
             "Instead of value and uncertainty: repeated measurements, at least 2. "
-            "Their mean is the value, the standard error of the mean its uncertainty.",
+            "Their mean is the value; its uncertainty is the standard error of the mean, with "
+            "Student's factor for few, together with the systematic part.",
+        ),
+        Key(
+            "systematic",
+            deviation,
+            "Beside measurements: standard uncertainty that they share, such as that of a scale or "
+            "a protractor.",
         ),
         Key(
             "uncertainty",
@@ -141,8 +148,9 @@ def _target_keys(quantity: Quantity) -> tuple[Key, ...]:
         Key(
             "tolerance",
             deviation,
-            "Largest accepted deviation of the calibrated response. "
-            "By default the uncertainty; without one, 2 % of the value.",
+            "Largest accepted deviation of the calibrated response: what is good enough. "
+            "By default the uncertainty; without one, 2 % of the value. From measurements without "
+            "a systematic part at least 1 % of the value, or 0.5 degrees.",
         ),
         Key(
             "weight",
@@ -158,30 +166,30 @@ def _target_keys(quantity: Quantity) -> tuple[Key, ...]:
     )
 
 
-def _measured(values: Values, place: Place) -> tuple[float | None, float | None]:
-    """Return value and uncertainty, from one value or from measurements; note faults."""
+def _measured(values: Values, place: Place) -> float | None:
+    """Return the value, given or the mean of measurements; note faults."""
     if "measurements" not in values:
         if "value" not in values:
             place.at("value").fault(
                 "is missing.", "Give the measured value, or a list of measurements."
             )
-        return values.get("value"), None
+        if "systematic" in values:
+            place.at("systematic").fault(
+                "is given without measurements.",
+                "The uncertainty of a value has all parts: give it as uncertainty.",
+            )
+            return None
+        return values.get("value")
     for key in ("value", "uncertainty"):
         if key in values:
             place.at(key).fault(
-                "is given beside measurements.", f"The measurements say it: remove {key}."
+                "is given beside measurements.",
+                f"The measurements say it: remove {key}. An uncertainty that all of them share, "
+                "such as that of a scale, is systematic.",
             )
+    given = any(key in values for key in ("value", "uncertainty"))
     measurements = values["measurements"]
-    if measurements is None:
-        return None, None
-    if len(set(measurements)) == 1:
-        place.at("measurements").fault(
-            f"are all {measurements[0]:g}, so that nothing is known of their scatter.",
-            "Give value and uncertainty instead.",
-        )
-        return None, None
-    error = statistics.stdev(measurements) / math.sqrt(len(measurements))
-    return statistics.fmean(measurements), error
+    return None if given or measurements is None else statistics.fmean(measurements)
 
 
 def _absolute(deviation: tuple[float, bool] | None, value: float) -> float | None:
@@ -195,7 +203,7 @@ def _note_relative_to_zero(values: Values, value: float, place: Place) -> bool:
     """Note what a value of zero does not have: percentages, and a default tolerance."""
     if value != 0:
         return False
-    widths = {key: values[key] for key in ("uncertainty", "tolerance") if key in values}
+    widths = {key: values[key] for key in _WIDTHS if key in values}
     for key, (number, is_share) in widths.items():
         if is_share:
             place.at(key).fault(f"is {100 * number:g} %.", SHARE_OF_ZERO.remedy)

@@ -34,6 +34,14 @@ NO_DEFAULT_TOLERANCE = Message(
     "is missing: 2 % of the value, the default, is nothing where the value is 0.",
     "Give a tolerance or an uncertainty in the unit of the response.",
 )
+FEW_MEASUREMENTS = Message(
+    "are fewer than two.", "Give at least two; a single one is a value with its uncertainty."
+)
+EQUAL_MEASUREMENTS = Message(
+    "are all {value:g}, so that nothing is known of their scatter.",
+    "Give systematic, the standard uncertainty of the instrument, beside them; or give value and "
+    "uncertainty instead.",
+)
 SHARE_OF_ZERO = Message(
     "is {given}.",
     "Give it in the unit of the response: the value is 0, and so is any percentage of it.",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
@@ -11,6 +11,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.formatting import short_repr
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
+from grainfit.problem.repeated_measurements import NORMAL_QUANTILE, read_measurements
 from grainfit.units import percentage
 from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 
@@ -18,8 +19,6 @@ from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_co
 DEFAULT_RELATIVE_TOLERANCE = 0.02
 #: Largest weight of a target; the smallest is its inverse.
 LARGEST_WEIGHT = 1e6
-#: Half the width of a 95 % interval in standard deviations.
-NORMAL_QUANTILE = 1.96
 
 Statistic = Literal["mean", "median"]
 _TARGET_WIDTHS = ("uncertainty", "tolerance")
@@ -81,6 +80,52 @@ class Target:
         if self.tolerance is None:
             object.__setattr__(self, "tolerance", self._usual_tolerance)
         make_plain(self, "value", "uncertainty", "tolerance", "weight")
+
+    @classmethod
+    def of_measurements(
+        cls,
+        name: str,
+        measurements: Iterable[float | str],
+        *,
+        systematic: float | str | None = None,
+        tolerance: float | str | None = None,
+        weight: float = 1.0,
+        unit: str = "",
+        statistic: Statistic = "mean",
+    ) -> Target:
+        """Return the target of repeated measurements.
+
+        The value is their mean. The uncertainty combines its standard error, with Student's factor
+        for few measurements, and the systematic part.
+
+        Parameters
+        ----------
+        name, weight, unit, statistic
+            As of a `Target`.
+        measurements : iterable of float or str
+            At least two numbers or quantities.
+        systematic : float or str, optional
+            Standard uncertainty that all measurements share, such as that of a scale or a
+            protractor; ``"1 %"`` is a share of their mean.
+        tolerance : float or str, optional
+            Largest accepted deviation of the expected response: what is good enough. By default
+            the uncertainty; without a systematic part at least 1 % of the value, or 0.5 degrees.
+
+        Examples
+        --------
+        >>> Target.of_measurements("angle_of_repose", ["22 deg", "22.1 deg"]).tolerance
+        0.5
+        """
+        repeats = read_measurements(name, measurements, systematic, unit)
+        return cls(
+            name,
+            repeats.value,
+            uncertainty=repeats.uncertainty,
+            tolerance=repeats.tolerance if tolerance is None else tolerance,  # type: ignore[arg-type]
+            weight=weight,
+            unit=repeats.unit,
+            statistic=statistic,
+        )
 
     def _faults_of_size(self) -> list[Fault]:
         return _faults_of_size(self)
@@ -196,11 +241,15 @@ def _faults_of_size(target: Target) -> list[Fault]:
         key = f"{target.name}.weight"
         least, most = 1 / LARGEST_WEIGHT, LARGEST_WEIGHT
         faults.append(messages.BAD_WEIGHT.fault(key, given=target.weight, least=least, most=most))
+    other = max(sizes, key=lambda key: sizes[key])
     return faults or [
         messages.TOO_EXACT.fault(
-            f"{target.name}.{key}", width=width, other=other, size=size, least=SMALLEST_SHARE
+            f"{target.name}.{key}",
+            width=width,
+            other=other,
+            size=sizes[other],
+            least=SMALLEST_SHARE,
         )
         for key, width in sizes.items()
-        for other, size in sizes.items()
-        if key != "value" and width < SMALLEST_SHARE * size
+        if key != "value" and width < SMALLEST_SHARE * sizes[other]
     ]

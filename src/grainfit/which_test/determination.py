@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grainfit.materials.card import Determination
 from grainfit.problem import Parameter
-from grainfit.problem.target import NORMAL_QUANTILE
+from grainfit.problem.repeated_measurements import NORMAL_QUANTILE
 from grainfit.result import ParameterInterval
 
 #: Width of a 95 % interval over that before the tests: up to the first determined, from the second

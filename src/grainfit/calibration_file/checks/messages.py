@@ -24,3 +24,8 @@ STEEP_ANGLE = Message(
     "Test {name} = {value:g} deg is steeper than beds that flow.",
     "If it was measured from the vertical, it is {rest:g} deg.",
 )
+FINER_THAN_INSTRUMENTS = Message(
+    "{name}: its tolerance, {tolerance}, is finer than instruments reach, about {finest}.",
+    "Give as tolerance what is good enough for you, and the error of the instrument as "
+    "uncertainty, or as systematic beside measurements.",
+)

@@ -14,6 +14,7 @@ from grainfit.bulk_tests.registry import OWN_SCENE, bulk_tests
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.calibration_file.checks.few_particles import few_particles
 from grainfit.calibration_file.checks.fine_tolerances import fine_tolerance
+from grainfit.calibration_file.checks.instruments import finer_than_instruments
 from grainfit.calibration_file.checks.near_spheres import near_spheres
 from grainfit.calibration_file.checks.run_times import long_calibration, short_timeout
 from grainfit.calibration_file.checks.same_simulation import repeated_simulation, shared_simulation
@@ -39,7 +40,12 @@ _BEFORE_TESTS: tuple[Check[FileContext], ...] = (
     impossible_bulk_density,
     unusual_value,
 )
-_AFTER_TESTS: tuple[Check[FileContext], ...] = (fine_tolerance, short_timeout, long_calibration)
+_AFTER_TESTS: tuple[Check[FileContext], ...] = (
+    finer_than_instruments,
+    fine_tolerance,
+    short_timeout,
+    long_calibration,
+)
 
 
 def all_checks() -> tuple[Check[Any], ...]:
