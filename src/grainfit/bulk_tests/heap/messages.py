@@ -26,7 +26,7 @@ LIFT_IS_SHORT = Message(
 )
 SMOOTH_PLATE = Message(
     "the {kind} friction of the plate is {value:g} ({key}). Below {least:g} heaps slide or roll "
-    "apart, and runs fail.",
+    "apart, and runs may fail.",
     "If the plate of the laboratory is rough, give {option}.",
 )
 NO_HEAP_ON_PLATE = Message(

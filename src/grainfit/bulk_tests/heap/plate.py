@@ -15,8 +15,8 @@ from grainfit.materials.walls import PLAIN, on_wall
 
 #: An angle of which there is no cone, degrees.
 _STEEPEST = 90.0
-#: Glass beads and rough spheres of 10 mm make no heap on plates of less friction: at a sliding
-#: friction of 0.1 and of 0.15 they slide apart, without rolling friction they roll on.
+#: Glass beads and rough spheres of 10 mm make no heap at a sliding friction of 0.1 and of 0.15;
+#: without rolling friction glass beads roll on, and rough spheres make a heap of 10 degrees.
 _LEAST = {"sliding": 0.2, "rolling": 0.02}
 
 
