@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.shear import messages
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import Fault
 from grainfit.solvers.other_names import OTHER_TESTS, instead_of_program, instead_of_test
@@ -133,6 +134,25 @@ def test_a_test_that_is_not_there_names_the_one_that_comes_nearest(
 ) -> None:
     found = message(tmp_path, 'type = "heap"', f'type = "{name}"')
     assert instead_of_test(name) in found
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [
+        ("shear_stress", messages.ENTER_SHEAR_STRESS()),
+        ("yield_locus", messages.ENTER_SHEAR_STRESS()),
+        ("phi_e", messages.ENTER_ANGLE()),
+        ("phi_lin", messages.ENTER_ANGLE()),
+    ],
+)
+def test_values_of_a_shear_tester_are_answered_with_how_to_enter_them(
+    name: str, remedy: str, tmp_path: Path
+) -> None:
+    shear = f'[[test]]\ntype = "shear"\nsolver = "lammps"\ntargets.{name} = {{ value = 20 }}\n'
+    (tmp_path / "beads.toml").write_text(f"{TEXT}\n{shear}", encoding="utf-8")
+    with pytest.raises(gf.InputError) as caught:
+        load_calibration_file(tmp_path / "beads.toml")
+    assert remedy in {fault.remedy for fault in caught.value.faults}
 
 
 @pytest.mark.parametrize("name", ["edem", "EDEM 2023", "Star-CCM+"])

@@ -96,7 +96,8 @@ def _targets(kind: TestType, *, planned: bool) -> tuple[Kind, str]:
         for name, info in test.curves.items()
     )
     homes = _homes(lambda other: [*other.responses, *other.curves])
-    return Table(keys + curves, homes=homes), f"{{ {keys[-1].name} = {keys[-1].example} }}"
+    table_of_targets = Table(keys + curves, homes=homes, answers=test.enter_instead)
+    return table_of_targets, f"{{ {keys[-1].name} = {keys[-1].example} }}"
 
 
 def _curve_table(info: CurveInfo) -> CurveTable:

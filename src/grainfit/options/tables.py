@@ -82,11 +82,14 @@ class Table(Kind):
         Absent keys are absent from the values; faulty ones are None.
     homes : mapping of str to str
         Right section of keys that belong elsewhere, for the remedy.
+    answers : mapping of str to str
+        Remedies of names that are no keys, but that people write for a reason.
     """
 
     keys: tuple[Key, ...]
     finish: Finish = _as_read
     homes: Mapping[str, str] | None = None
+    answers: Mapping[str, str] | None = None
 
     def read(self, value: Any, place: Place) -> Any:
         """Read every known key, and note the unknown and the missing ones."""
@@ -116,6 +119,8 @@ class Table(Kind):
         return next(iter(difflib.get_close_matches(name[:64], names, n=1)), "")
 
     def _meant(self, name: str) -> str:
+        if self.answers and name in self.answers:
+            return self.answers[name]
         if self.homes and name in self.homes and not self._close(name):
             return f"It belongs in {self.homes[name]}."
         return suggest(name, (key.name for key in self.keys), "Keys here")

@@ -17,6 +17,7 @@ from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
+from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.flow import (
     COLUMNS,
     Frame,
@@ -90,6 +91,10 @@ class Shear(BulkTest):
     #: Both plates are glued particles.
     parts: ClassVar[Parts] = {}
     overlap_law: ClassVar[OverlapLaw] = IN_SHEAR
+    enter_instead: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("shear_stress", "yield_locus"), messages.ENTER_SHEAR_STRESS()),
+        **dict.fromkeys(("phi_e", "phi_sf", "phi_lin"), messages.ENTER_ANGLE()),
+    }
     shown: ClassVar[Shown | None] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {

@@ -18,3 +18,13 @@ FAST_SHEAR = Message(
     "of rough spheres is 22.8 degrees at 0.005, 23.5 at 0.02 and 25.0 at 0.1.",
     "A smaller inertial_number is nearer to a shear tester, and takes longer.",
 )
+ENTER_SHEAR_STRESS = Message(
+    "Enter the steady angle: internal_friction_angle = arc tangent of shear stress over "
+    "normal stress in steady flow (phi_sf), with that normal_stress. Points of a yield locus below "
+    "the preshear stress are no targets of this test."
+)
+ENTER_ANGLE = Message(
+    "The test simulates steady flow: enter phi_sf as internal_friction_angle, with normal_stress "
+    "that of the preshear. From phi_e it is about atan(sin phi_e), from a linearised yield locus "
+    "about atan(c / normal_stress + tan phi_lin)."
+)
