@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import ClassVar, Protocol
 
 from grainfit.bulk_tests.sensitivities import Sensitivities
 from grainfit.options.kinds import Quantity
-
-if TYPE_CHECKING:
-    from grainfit.bulk_tests.base import BulkTest
 
 
 @dataclass(frozen=True)
@@ -92,7 +90,14 @@ class CurveInfo(MeasuredInfo):
     coordinate_unit: str
 
 
-def absent_responses(test: BulkTest | type[BulkTest]) -> dict[str, str]:
+class _GivesResponses(Protocol):
+    """A bulk test, or its class."""
+
+    responses: ClassVar[Mapping[str, ResponseInfo]]
+    curves: ClassVar[Mapping[str, CurveInfo]]
+
+
+def absent_responses(test: _GivesResponses | type[_GivesResponses]) -> dict[str, str]:
     """Return the responses that a valid run of a test may be without, each with the reason."""
     known = {**test.responses, **test.curves}
     return {name: info.absent for name, info in known.items() if info.absent}
