@@ -29,7 +29,7 @@ DENSITY, MODULUS = "particle.density", "particle.youngs_modulus"
 #: A small heap, in diameters.
 SMALL = {
     "cylinder_radius": 3.5,
-    "plate_radius": 8.0,
+    "plate_radius": 12.0,
     "strike_off_height": 8.5,
     "bulk_density_top": 7.0,
 }

@@ -156,8 +156,9 @@ def print_plan(console: Console, plan: Plan) -> None:
     console.print(targets)
     for line in plan.lines:
         console.print(_text(line))
-    for note in plan.notes:
-        console.print(_text(f"Note: {note}"))
+    for finding in plan.findings:
+        style = "yellow" if finding.severity == "warning" else ""
+        console.print(_text(f"{finding.severity.capitalize()}: {finding.text}", style))
     console.print(_execution_heading(plan))
     for line in plan.executes:
         console.print(_text(f"  {line}"), soft_wrap=True)
