@@ -13,7 +13,7 @@ from grainfit.errors import InputError
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.bulk_test_contract import BulkTestContract
-from grainfit.testing.materials import GLASS_BEADS
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 
 class TestPacking(BulkTestContract):
@@ -65,7 +65,7 @@ def test_a_default_bed_is_as_high_as_it_is_measured() -> None:
 @pytest.mark.slow
 def test_a_packing_is_as_dense_as_the_bed_of_a_heap(tmp_path: Path) -> None:
     densities = {}
-    for test in (Packing(diameter="10 mm"), Heap(diameter="10 mm")):
+    for test in (Packing(diameter="10 mm"), Heap(diameter="10 mm", **ROUGH_PLATE)):
         folder = tmp_path / test.type
         folder.mkdir()
         responses = Lammps(test, GLASS_BEADS).run({}, 3, Workspace(folder, 600.0))
