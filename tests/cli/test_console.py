@@ -9,7 +9,10 @@ import pytest
 from rich.console import Console
 
 import grainfit as gf
-from grainfit.cli.console import print_parts, print_result, print_status
+from grainfit.calibration_file.build import load_calibration
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.starter import starter_file
+from grainfit.cli.console import print_parts, print_plan, print_result, print_status
 from grainfit.cli.exit_codes import OF_STATUS
 from grainfit.result import ParameterInterval, Result
 from grainfit.tables import TextTable
@@ -133,3 +136,17 @@ def test_the_status_has_the_word_beside_every_value(calibrated: Result) -> None:
         print_status(console, WorkdirStatus("sand", "calibrated", {}, {}, 0, (), 5, result))
         assert isinstance(console.file, io.StringIO)
         assert shown in console.file.getvalue().splitlines()
+
+
+def test_check_shows_the_severity_of_each_finding(tmp_path: Path) -> None:
+    lines = starter_file(["heap"]).replace('type = "heap"', 'type = "heap"\ngravity = 981')
+    file = tmp_path / "moon.toml"
+    file.write_text(lines, encoding="utf-8")
+    console = Console(file=io.StringIO(), width=10_000)
+    plan = describe_plan(load_calibration(file))
+    print_plan(console, plan)
+    assert isinstance(console.file, io.StringIO)
+    shown = console.file.getvalue().splitlines()
+    assert {finding.severity for finding in plan.findings} == {"note", "warning"}
+    for finding in plan.findings:
+        assert f"{finding.severity.capitalize()}: {finding.text}" in shown
