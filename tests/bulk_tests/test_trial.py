@@ -39,3 +39,15 @@ def test_a_function_that_never_returns_is_ended(tmp_path: Path) -> None:
 @pytest.mark.parametrize("body", ["return seed", "raise ValueError", "raise SystemExit(1)"])
 def test_what_a_call_can_tell_is_left_to_it(body: str, tmp_path: Path) -> None:
     require_return(function(tmp_path, body), {"seed": 1})
+
+
+def test_a_function_is_tried_once(tmp_path: Path) -> None:
+    count = tmp_path / "count"
+    tried = function(
+        tmp_path,
+        f"os.write(os.open({str(count)!r}, os.O_CREAT | os.O_APPEND | os.O_WRONLY), b'x'); os._exit(3)",
+    )
+    for _ in range(2):
+        with pytest.raises(RunFailedError, match=messages.ENDS_PYTHON.pattern):
+            require_return(tried, {"seed": 1})
+    assert count.read_text() == "x"

@@ -17,7 +17,7 @@ from grainfit.bulk_tests.own_scene.checks import forces_after_fill, particles_no
 from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.trial import require_return
-from grainfit.bulk_tests.own_scene.user_function import call
+from grainfit.bulk_tests.own_scene.user_function import call, name_of
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check, Found, check
@@ -277,7 +277,7 @@ class OwnScene(BulkTest):
             "time_step": self.time_step(material),
             "options": dict(self.options),
         }
-        words = f"{function.function}() in {function.path.name}"
+        words = name_of(function)
         require_return(function, possible)
         found = call(function, possible)
         if not isinstance(found, Scene):
@@ -386,7 +386,7 @@ class OwnScene(BulkTest):
             "options": dict(self.options),
         }
         found = call(function, possible)
-        words = f"{function.function}() in {function.path.name}"
+        words = name_of(function)
         responses = read_responses(found, self.targets, words)
         if len(particles):
             numbers = scalars(responses)

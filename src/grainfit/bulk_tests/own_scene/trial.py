@@ -13,20 +13,22 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from grainfit.bulk_tests.own_scene import messages
-from grainfit.bulk_tests.own_scene.user_function import call
+from grainfit.bulk_tests.own_scene.user_function import call, name_of
 from grainfit.errors import RunFailedError
 from grainfit.options.python_file import PythonFile
 
 #: Longest time of a trial, s: `check` waits for it.
 LIMIT = 60.0
-_tried: set[tuple[str, bytes]] = set()
+#: Failures by function and source, None for those that return.
+_outcomes: dict[tuple[str, bytes], RunFailedError | None] = {}
 
 
 def require_return(function: PythonFile, possible: Mapping[str, Any], limit: float = LIMIT) -> None:
     """Call a function in a child process, the first time that this process needs it.
 
     Its errors are left to the call that follows; only the end of Python and a loop without end are
-    found here. A process with several threads tries nothing: its child could wait for their locks.
+    found here, and remembered. A process with several threads tries nothing: its child could wait
+    for their locks.
 
     Parameters
     ----------
@@ -42,28 +44,37 @@ def require_return(function: PythonFile, possible: Mapping[str, Any], limit: flo
     RunFailedError
         The function ended Python, crashed it, or did not return in time.
     """
-    key = (f"{function.path}:{function.function}", function.source)
-    if key in _tried or threading.active_count() > 1:
+    if threading.active_count() > 1:
         return
+    key = (f"{function.path}:{function.function}", function.source)
+    if key not in _outcomes:
+        _outcomes[key] = _outcome(function, possible, limit)
+    if failure := _outcomes[key]:
+        raise failure
+
+
+def _outcome(
+    function: PythonFile, possible: Mapping[str, Any], limit: float
+) -> RunFailedError | None:
+    """Call a function in a child process; return why it must not be called in this one."""
     context = multiprocessing.get_context("fork")
     here, there = context.Pipe(duplex=False)
     child = context.Process(target=_call, args=(function, possible, there), daemon=True)
     child.start()
     there.close()
-    ended = here.poll(limit)
-    with suppress(EOFError):
-        if ended and here.recv():
-            child.join()
-            _tried.add(key)
-            return
-    if not ended:
+    if not here.poll(limit):
         child.kill()
+        child.join()
+        text = messages.NEVER_RETURNS(function=name_of(function), limit=limit)
+        return RunFailedError(text, "", "timeout")
+    # The end of the pipe without a word is that of the child.
+    with suppress(EOFError):
+        here.recv()
+        child.join()
+        return None
     child.join()
-    name = f"{function.function}() in {function.path.name}"
-    if not ended:
-        raise RunFailedError(messages.NEVER_RETURNS(function=name, limit=limit), "", "timeout")
-    how = _how(child.exitcode or 0)
-    raise RunFailedError(messages.ENDS_PYTHON(function=name, how=how), kind="evaluation")
+    text = messages.ENDS_PYTHON(function=name_of(function), how=_how(child.exitcode or 0))
+    return RunFailedError(text, kind="evaluation")
 
 
 def _call(function: PythonFile, possible: Mapping[str, Any], returned: Connection) -> None:

@@ -58,14 +58,16 @@ def call(function: PythonFile, possible: Mapping[str, Any], limit: float = LIMIT
     if raised:
         raise _failure(function, raised[0]) from raised[0]
     if not outcome:
-        raise RunFailedError(f"{_words(function)} did not return within {limit:g} s", "", "timeout")
+        raise RunFailedError(
+            f"{name_of(function)} did not return within {limit:g} s", "", "timeout"
+        )
     return outcome[0]
 
 
 def _called(function: PythonFile, possible: Mapping[str, Any]) -> Any:
     loaded = function.load()
     if not callable(loaded):
-        raise RunFailedError(f"{_words(function)} is no function", kind="evaluation")
+        raise RunFailedError(f"{name_of(function)} is no function", kind="evaluation")
     parameters = inspect.signature(loaded).parameters.values()
     if any(p.kind is inspect.Parameter.VAR_KEYWORD for p in parameters):
         return loaded(**possible)
@@ -78,13 +80,14 @@ def _called(function: PythonFile, possible: Mapping[str, Any]) -> Any:
     ]
     if unknown:
         raise RunFailedError(
-            f"{_words(function)} takes {', '.join(unknown)}; it can take {', '.join(possible)}",
+            f"{name_of(function)} takes {', '.join(unknown)}; it can take {', '.join(possible)}",
             kind="evaluation",
         )
     return loaded(**{p.name: possible[p.name] for p in parameters if p.name in possible})
 
 
-def _words(function: PythonFile) -> str:
+def name_of(function: PythonFile) -> str:
+    """Return the name of a function and of its file, for readers."""
     return f"{function.function}() in {function.path.name}"
 
 
