@@ -36,6 +36,8 @@ class EmptyBox:
     def __init__(self, scene: Scene, folder: Path, columns: str) -> None:
         self._scene, self._folder, self._columns = scene, folder, columns
         self._ends = RunOutput(folder).ends
+        #: Time step at which each stage begins, and the last one ends.
+        self._steps = [0, *(end.step for end in self._ends)]
 
     def can_end(self) -> bool:
         """Return whether the stages that are left follow from the scene: none presses."""
@@ -47,9 +49,8 @@ class EmptyBox:
 
     def end(self) -> None:
         """Write the snapshot of the last stage that has ended, and all files of those after it."""
-        step = self._ends[-1].step
+        first = step = self._steps[-1]
         self._snapshot(self._scene.stages[len(self._ends) - 1], step)
-        first = step
         for stage in self._scene.stages[len(self._ends) :]:
             last = step + self._duration(stage)
             self._series(stage, step, last)
@@ -60,6 +61,7 @@ class EmptyBox:
             with (self._folder / STAGES).open("a", encoding="utf-8") as file:
                 file.write(f"{stage.name},{end},{last},{self._time(last)},0,0\n")
             self._snapshot(stage, last)
+            self._steps.append(last)
             step = last
         if self._scene.film_interval is not None:
             every = self._scene.steps(self._scene.film_interval)
@@ -93,12 +95,11 @@ class EmptyBox:
         if not isinstance(quantity, Travel):
             return 0.0
         number = self._scene.stages.index(stage)
-        begun = [0, *(end.step for end in RunOutput(self._folder).ends)]
         travel = 0.0
         for index, one in enumerate(self._scene.stages[: number + 1]):
             if quantity.wall in one.put:
                 travel = 0.0
-            ran = steps if index == number else begun[index + 1] - begun[index]
+            ran = steps if index == number else self._steps[index + 1] - self._steps[index]
             for motion in one.motions_of(quantity.wall):
                 if quantity.along in ("", motion.along) and not isinstance(motion, Load):
                     travel += motion.speed * self._time(ran)
