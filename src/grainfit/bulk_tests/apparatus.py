@@ -108,8 +108,10 @@ class _Apparatus:
             else:
                 shown = _shown(key, value)
             is_named = frictions.get(key.name) in self.walls
-            yield ApparatusValue(key.name, shown, "given" if is_named else self._origin(key.name))
-        yield ApparatusValue("particles", self._filling(), self._origin("particle_count"))
+            origin = "given" if is_named else self._origin(key.name, value)
+            yield ApparatusValue(key.name, shown, origin)
+        count = values.get("particle_count")
+        yield ApparatusValue("particles", self._filling(), self._origin("particle_count", count))
 
     def _friction(self, option: str, value: Any, part: str) -> str:
         """Return the friction of a part: its own, that of particles or that of a wall."""
@@ -129,13 +131,13 @@ class _Apparatus:
         mass = count * mean_particle_volume(self.test.sizes) * density
         return f"{count}, {number(mass, _DIGITS)} kg"
 
-    def _origin(self, option: str) -> GivenOrAssumed:
+    def _origin(self, option: str, value: Any) -> GivenOrAssumed:
         if self.given is not None:
             names = {option, _ANOTHER_WAY.get(option, option)}
             return "given" if names & set(self.given) else "assumed"
-        return "assumed" if self._is_default(option) else "given"
+        return "assumed" if self._is_default(option, value) else "given"
 
-    def _is_default(self, option: str) -> bool:
+    def _is_default(self, option: str, value: Any) -> bool:
         """Return whether an option has the value that it has when it is not given."""
         defaults: dict[str, Any] = {field.name: field.default for field in fields(self.test)}
         if option not in defaults:
@@ -144,7 +146,6 @@ class _Apparatus:
             usual = replace(self.test, **{option: defaults[option]}).resolved_options()[option]
         except InputError:
             return False
-        value = self.test.resolved_options()[option]
         if isinstance(value, float) and isinstance(usual, float):
             return math.isclose(value, usual, rel_tol=1e-9)
         return bool(value == usual)
