@@ -55,7 +55,11 @@ class TooLargeError(OSError):
 
 def is_irregular(path: Path) -> bool:
     """Return True for a pipe, a socket or a device, which may keep a reader waiting."""
-    return path.exists() and not path.is_file() and not path.is_dir()
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):
+        return False
+    return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
 
 
 def open_regular(path: Path) -> BinaryIO:

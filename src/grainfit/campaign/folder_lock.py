@@ -83,11 +83,15 @@ def hold(folder: Path) -> Iterator[None]:
 def require_files(folder: Path) -> None:
     """Raise `StoreError` where a pipe, a socket or a device stands in place of a file.
 
-    Whoever reads it would wait for somebody to write to it.
+    Whoever reads it would wait for somebody to write to it. A folder that cannot be listed is left
+    to those who open its files: they say why.
     """
-    for path in sorted(folder.iterdir()):
-        if is_irregular(path):
-            raise StoreError(messages.NOT_A_FILE(path=str(path)))
+    try:
+        paths = sorted(folder.iterdir())
+    except OSError:
+        return
+    for path in filter(is_irregular, paths):
+        raise StoreError(messages.NOT_A_FILE(path=str(path)))
 
 
 def is_held(folder: Path) -> bool:

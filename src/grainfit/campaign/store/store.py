@@ -644,8 +644,7 @@ def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
 
 def _path(folder: Path) -> Path:
     path = folder / STORE_NAME
-    if folder.is_dir():
-        require_files(folder)
+    require_files(folder)
     if path.is_dir():
         raise StoreError(messages.STORE_IS_FOLDER(store=path, remedy=_RENEW))
     return path
