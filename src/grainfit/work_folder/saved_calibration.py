@@ -274,7 +274,7 @@ def _saved(
         workers=opened.workers,
         started=calibration.started,
         max_runs=about.get("max_runs"),
-        failure=str(about.get("failure", "")),
+        failure=opened.failure,
         strategy_options=dict(definition.get("options", {})),
     )
 
