@@ -215,7 +215,7 @@ class _Handler(BaseHTTPRequestHandler):
         elif not self._is_token(token):
             self._refuse(HTTPStatus.NOT_FOUND, "There is no such page. Copy the whole address.")
         elif not self.server.welcome(self.connection):
-            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, "The page is open too many times.")
+            self._refuse_crowd()
         elif not slash:
             self._redirect(f"/{self.server.token}/")
         elif not rest:
@@ -238,6 +238,8 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND, "There is no such page.")
         elif self.headers.get("Origin") != f"http://{self.headers.get('Host')}":
             self._refuse(HTTPStatus.FORBIDDEN, "Only the page itself can stop the calibration.")
+        elif not self.server.welcome(self.connection):
+            self._refuse_crowd()
         else:
             self._stop()
 
@@ -298,6 +300,9 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _redirect(self, to: str) -> None:
         self._begin(HTTPStatus.SEE_OTHER, _HTML, {"Location": to})
+
+    def _refuse_crowd(self) -> None:
+        self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, "The page is open too many times.")
 
     def _refuse(self, status: HTTPStatus, words: str) -> None:
         self._send(status, "text/plain; charset=utf-8", f"{words}\n")
