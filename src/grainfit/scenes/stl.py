@@ -26,6 +26,7 @@ MOST_TRIANGLES = 200_000
 _HEADER, _RECORD = 84, 50
 _RECORD_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.MULTILINE | re.IGNORECASE)
+_FACET = re.compile(rb"facet", re.IGNORECASE)
 _END = re.compile(rb"\bendfacet\b", re.IGNORECASE)
 #: Corners nearer than this are one, over the size of the mesh.
 _SAME = 1e-6
@@ -120,7 +121,7 @@ def _binary(path: Path, content: bytes) -> Triangles | None:
             records = np.frombuffer(content, _RECORD_TYPE, count, _HEADER)
             return records["corners"].astype(np.float64)
     start = content.removeprefix(BOM_UTF8).lstrip()[:5]
-    if start.lower() == b"solid" and b"facet" in content.lower():
+    if start.lower() == b"solid" and _FACET.search(content):
         return None
     if len(content) < _HEADER:
         raise _error(path, messages.MESH_NO_STL)

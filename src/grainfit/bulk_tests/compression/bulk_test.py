@@ -104,9 +104,7 @@ class Compression(BulkTest):
         "piston": ("piston",),
     }
     overlap_law: ClassVar[OverlapLaw] = UNDER_A_STRESS
-    shown: ClassVar[Shown | None] = Shown(
-        "bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE
-    )
+    shown: ClassVar[Shown] = Shown("bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0, DENSITY: 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "loading_modulus": ResponseInfo(

@@ -75,7 +75,7 @@ class Discharge(BulkTest):
         "floor": ("left_shelf", "right_shelf", "floor", "door"),
     }
     revision: ClassVar[int] = 1
-    shown: ClassVar[Shown | None] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
+    shown: ClassVar[Shown] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
         narrow_orifice(lambda test: test.setup.container.orifice),
         flow_depth,

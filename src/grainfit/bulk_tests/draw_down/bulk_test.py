@@ -87,9 +87,7 @@ class DrawDown(BulkTest):
         "floor": ("floor",),
     }
     revision: ClassVar[int] = 1
-    shown: ClassVar[Shown | None] = Shown(
-        "draw-down", "angle_of_repose", snapshot_file(END), _PICTURE
-    )
+    shown: ClassVar[Shown] = Shown("draw-down", "angle_of_repose", snapshot_file(END), _PICTURE)
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
         narrow_orifice(lambda test: test.setup.box.orifice),
         smooth_walls,

@@ -68,7 +68,7 @@ class Drum(BulkTest):
     title: ClassVar[str] = "rotating"
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_drum,)
     parts: ClassVar[Parts] = {"drum": ("drum",)}
-    shown: ClassVar[Shown | None] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
+    shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "dynamic_angle": ResponseInfo(
             "deg",

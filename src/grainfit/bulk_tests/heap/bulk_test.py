@@ -120,7 +120,7 @@ class Heap(BulkTest):
         "cylinder": ("cylinder",),
         "plate": ("plate", "rim"),
     }
-    shown: ClassVar[Shown | None] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
+    shown: ClassVar[Shown] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
         "angle_of_repose": ResponseInfo(

@@ -136,7 +136,7 @@ class OwnScene(BulkTest):
     )
     title: ClassVar[str] = "a scene of your own"
     responses: ClassVar[Mapping[str, ResponseInfo]] = {}
-    shown: ClassVar[Shown | None] = Shown("particles", "", snapshot_file(END), _PICTURE)
+    shown: ClassVar[Shown] = Shown("particles", "", snapshot_file(END), _PICTURE)
 
     #: Functions by their option; empty for a test from the record of a run.
     functions: Mapping[str, PythonFile] = field(default_factory=dict)

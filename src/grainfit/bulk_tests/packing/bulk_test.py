@@ -101,7 +101,7 @@ class Packing(BulkTest):
     type: ClassVar[str] = "packing"
     title: ClassVar[str] = "poured container"
     parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}
-    shown: ClassVar[Shown | None] = Shown("bed", "bulk_density", snapshot_file(_BED), _PICTURE)
+    shown: ClassVar[Shown] = Shown("bed", "bulk_density", snapshot_file(_BED), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 
     cylinder_radius: Amount | None = option(

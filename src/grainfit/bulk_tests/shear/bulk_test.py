@@ -95,7 +95,7 @@ class Shear(BulkTest):
         **dict.fromkeys(("shear_stress", "yield_locus"), messages.ENTER_SHEAR_STRESS()),
         **dict.fromkeys(("phi_e", "phi_sf", "phi_lin"), messages.ENTER_ANGLE()),
     }
-    shown: ClassVar[Shown | None] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
+    shown: ClassVar[Shown] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         _ANGLE: ResponseInfo(
