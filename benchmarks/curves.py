@@ -97,7 +97,7 @@ def calibrate(name: str, as_curve: bool, number: int) -> dict[str, tuple[bool, f
     measured = case.curve(truth, case.measured) * errors
     shares = ("2 %", "2 %") if as_curve else (f"{100 * np.hypot(INDEPENDENT, COMMON):.4f} %", 0.0)
     target = gf.CurveTarget(
-        "curve", case.measured.tolist(), measured.tolist(), shares[0], common_uncertainty=shares[1]
+        "curve", case.measured.tolist(), measured.tolist(), shares[0], systematic=shares[1]
     )
     problem = gf.Problem(
         [gf.Parameter(key, *ends) for key, ends in case.intervals.items()], [], curves=[target]

@@ -26,7 +26,7 @@ import numpy as np
 
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import percent
-from grainfit.problem.repeated_measurements import NORMAL_QUANTILE
+from grainfit.student import NORMAL_QUANTILE
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from grainfit.which_test.candidate import RUNS
 from grainfit.which_test.knowledge import Knowledge

@@ -33,6 +33,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "files",
         "plain_data",
         "registration",
+        "student",
     ),
     ("options", "tables", "verdict"),
     ("table_files",),

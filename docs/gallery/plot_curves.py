@@ -26,7 +26,7 @@ stresses = [1.27e3, 2.69e3, 4.25e3, 5.93e3, 7.83e3, 9.78e3, 11.90e3, 14.30e3]  #
 problem = gf.Problem(
     [gf.Parameter("modulus", 1e5, 4e5), gf.Parameter("stiffening", 0.0, 1.0)],
     targets=[],
-    curves=[gf.CurveTarget("stress", strains, stresses, "1 %", common_uncertainty="2 %")],
+    curves=[gf.CurveTarget("stress", strains, stresses, "1 %", systematic="2 %")],
 )
 folder = tempfile.mkdtemp()
 result = gf.calibrate(problem, gf.solvers.PythonCallable(press, identity="press"), workdir=folder)

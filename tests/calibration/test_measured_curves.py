@@ -273,7 +273,7 @@ def test_curve_and_number_of_two_tests_calibrate_together() -> None:
     both = gf.Problem(
         problem(measured()).parameters,
         [gf.Target("weighing.density", 1560.0, uncertainty=5.0)],
-        curves=[gf.CurveTarget(**{**measured().to_json(), "name": "pressing.stress"})],
+        curves=[replace(measured(), name="pressing.stress")],
         tests=[
             gf.TestScope("pressing", ["pressing.stress"], ["modulus", "stiffening"], 10.0),
             gf.TestScope("weighing", ["weighing.density"], ["stiffening"], 1.0),

@@ -34,7 +34,9 @@ TEST = '[[test]]\nname = "press"\ntype = "python"\nfunction = "model.py:simulate
 #: In SI units, with a stiffness of 10.
 CURVE = "strain,stress\n0.05,575\n0.01,103\n0.1,1300\n0.15,2175\n"
 TARGET = 'targets.stress = {{ curve = "curve.csv"{} }}\n'
-ERRORS = ', uncertainty = "2 %", common_uncertainty = "1 %"'
+#: Student's factors at 95 %, t / 1.96, for 4 and 9 measurements.
+STUDENT_4, STUDENT_9 = 3.182446 / 1.96, 2.306004 / 1.96
+ERRORS = ', uncertainty = "2 %", systematic = "1 %"'
 
 
 @pytest.fixture
@@ -75,7 +77,7 @@ def test_curve_is_sorted_by_its_first_column(curve_of: Callable[..., CurveTarget
     assert (curve.name, curve.coordinate) == ("stress", "strain")
     assert curve.coordinates == (0.01, 0.05, 0.1, 0.15)
     assert curve.values == (103, 575, 1300, 2175)
-    assert (curve.uncertainty, curve.common_uncertainty) == ("2 %", "1 %")
+    assert (curve.uncertainty, curve.systematic) == ("2 %", "1 %")
 
 
 def test_curve_in_other_units_and_columns(curve_of: Callable[..., CurveTarget]) -> None:
@@ -92,11 +94,14 @@ def test_curve_in_other_units_and_columns(curve_of: Callable[..., CurveTarget]) 
 @pytest.mark.parametrize(
     ("curve", "errors"),
     [
-        ("x,y,sd,n\n1,2,0.3,9\n2,3,0.4,4\n", (0.1, 0.2)),
+        ("x,y,sd,n\n1,2,0.3,9\n2,3,0.4,4\n", (0.1 * STUDENT_9, 0.2 * STUDENT_4)),
         ("x;y;std. error\n1;2;0,1\n2;3;0,2\n", (0.1, 0.2)),
-        ("x,y,standard deviation,number of tests\n2,3,0.4,4\n1,2,0.3,9\n", (0.1, 0.2)),
+        (
+            "x,y,standard deviation,number of tests\n2,3,0.4,4\n1,2,0.3,9\n",
+            (0.1 * STUDENT_9, 0.2 * STUDENT_4),
+        ),
         ("x,y,sd\n1,2,0.3\n2,3,0.4\n", "uncertainty: is missing"),
-        ("x,y,sd,n\n1,2,0.3,0\n2,3,0.4,4\n", "line 2, column n is 0. The number of meas"),
+        ("x,y,sd,n\n1,2,0.3,1\n2,3,0.4,4\n", "line 2, column n is 1. A deviation needs"),
         ("x,y,sd,n\n1,2,-1,4\n2,3,0.4,4\n", "line 2, column sd is -1"),
     ],
 )
@@ -122,7 +127,7 @@ def test_spread_of_a_curve_has_the_unit_of_its_values(tmp_path: Path) -> None:
         (tmp_path / "curve.csv").write_text(f"{header}\n1,1,{sd},4\n2,2,{sd},4\n")
         (curve,) = load_calibration_file(path).tests[0].curves
         assert (curve.coordinates, curve.values) == ((0.01, 0.02), (1000, 2000))
-        assert curve.uncertainty == (50, 50)
+        assert curve.uncertainty == pytest.approx((50 * STUDENT_4, 50 * STUDENT_4))
 
 
 def test_plain_uncertainty_is_not_clear_where_the_heading_has_another_unit(tmp_path: Path) -> None:
@@ -161,12 +166,17 @@ def test_covariance_follows_the_order_of_the_lines(
         (', y_unit = "widgets"' + ERRORS, ["stress.y_unit", "not a known unit"]),
         (', y_unit = "kPa", uncertainty = 0.02', ["stress.uncertainty", '"0.02 kPa"']),
         ("", ["stress.uncertainty", "is missing", "covariance"]),
-        (', common_uncertainty = "1 %"', ["stress.uncertainty", "is missing"]),
+        (', systematic = "1 %"', ["stress.uncertainty", "is missing"]),
         (', uncertainty = "-1 %"', ["stress.uncertainty", "above 0"]),
-        (ERRORS + ', covariance = "curve.csv"', ["common_uncertainty", "beside covariance"]),
+        (ERRORS + ', covariance = "curve.csv"', ["systematic", "beside covariance"]),
         (', covariance = "none.csv"', ["stress.covariance", "no such file"]),
         (', covariance = "curve.csv"', ["stress.covariance", "line 5 ends a table of 5 rows"]),
-        (ERRORS + ", tolerance = 3", ["stress.tolerance", "not a known key of a curve", "remove"]),
+        (', common_uncertainty = "1 %"' + ERRORS, ["common_uncertainty", "systematic now"]),
+        (ERRORS + ', tolerance = "0 %"', ["stress.tolerance", "above 0"]),
+        (
+            ERRORS + ', measurements = ["curve.csv", "curve.csv"]',
+            ["stress.curve", "beside measurements"],
+        ),
     ],
 )
 def test_fault_of_an_option_of_a_curve(
@@ -177,7 +187,7 @@ def test_fault_of_an_option_of_a_curve(
     assert [word for word in words if word not in fault] == []
 
 
-@pytest.mark.parametrize("key", ["tolerance", "covarianc", "uncertainity", "weight"])
+@pytest.mark.parametrize("key", ["tolerence", "covarianc", "uncertainity", "weight"])
 def test_a_wrong_key_of_a_curve_is_one_fault(fault_of: Callable[..., str], key: str) -> None:
     fault = fault_of(f'{ERRORS}, {key} = "2 %"')
     assert f"targets.stress.{key}: is not a known key" in fault
@@ -273,6 +283,60 @@ def test_fault_of_a_covariance(
     assert words in fault
 
 
+REPEATS = {
+    "first.csv": "strain,stress\n0.05,500\n0.1,1000\n0.15,1500\n",
+    "second.csv": "strain,stress\n0.04,420\n0.1,1050\n0.16,1600\n",
+    "third.csv": "strain,stress\n0.0,1\n0.05,480\n0.1,970\n0.15,1490\n",
+}
+MEASURED = "targets.stress = {{ measurements = [{}]{} }}\n"
+ALL_REPEATS = '"first.csv", "second.csv", "third.csv"'
+
+
+@pytest.fixture
+def write_repeats(tmp_path: Path) -> Callable[..., Path]:
+    def file(options: str, files: str = ALL_REPEATS) -> Path:
+        for name, text in REPEATS.items():
+            (tmp_path / name).write_text(text)
+        (tmp_path / "model.py").write_text(MODEL)
+        path = tmp_path / "piston.toml"
+        path.write_text(HEAD + TEST + MEASURED.format(files, options))
+        return path
+
+    return file
+
+
+def test_curve_of_several_tables_has_mean_scatter_systematic_part_and_tolerance(
+    write_repeats: Callable[..., Path],
+) -> None:
+    path = write_repeats(', systematic = "3 %", tolerance = "5 %"')
+
+    (curve,) = load_calibration_file(path).tests[0].curves
+
+    assert curve.coordinates == (0.05, 0.1, 0.15)
+    assert curve.values == pytest.approx((501.667, 1006.667, 1499.444), rel=1e-5)
+    assert curve.systematic[0] > 0.03 * 501
+    assert curve.tolerances == pytest.approx([0.05 * value for value in curve.values])
+
+
+@pytest.mark.parametrize(
+    ("options", "files", "words"),
+    [
+        ("", '"first.csv"', "measurements: has 1 entry"),
+        ("", '"first.csv", "first.csv"', "are fewer than two curves"),
+        ("", '"first.csv", "fourth.csv"', "is 'fourth.csv', but there is no such file"),
+        (', uncertainty = "2 %"', ALL_REPEATS, "uncertainty: is given beside measurements"),
+        (', y_unit = "kPa", systematic = 0.1', ALL_REPEATS, "systematic: is 0.1"),
+        ("", '"first.csv", 3', "measurements[1]"),
+    ],
+)
+def test_fault_of_a_curve_of_several_tables(
+    write_repeats: Callable[..., Path], options: str, files: str, words: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        load_calibration_file(write_repeats(options, files))
+    assert words in str(caught.value)
+
+
 def test_recorded_table_has_no_curves(fault_of: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "runs.csv").write_text("stiffness,stress\n2,3\n")
     fault = fault_of(test='[[test]]\ntype = "table"\nfile = "runs.csv"\n')
@@ -282,6 +346,22 @@ def test_recorded_table_has_no_curves(fault_of: Callable[..., str], tmp_path: Pa
 def test_planned_file_has_no_curves(write: Callable[..., Path]) -> None:
     with pytest.raises(InputError, match=r"targets\.stress: is a curve"):
         load_calibration_file(write(), planned=True)
+
+
+def test_measurements_of_a_planned_file_tell_value_and_accuracy(tmp_path: Path) -> None:
+    repeats = (
+        '{ measurements = ["1490 kg/m^3", "1500 kg/m^3", "1510 kg/m^3"], systematic = "5 kg/m^3" }'
+    )
+    path = tmp_path / "planned.toml"
+    path.write_text(compression_file(f"targets.bulk_density = {repeats}\n"))
+
+    (test,) = load_calibration_file(path, planned=True).tests
+
+    planned = test.planned["bulk_density"]
+    random = 4.302653 / 1.96 * 10 / np.sqrt(3)
+    assert planned.value == pytest.approx(1500)
+    assert planned.accuracy is not None
+    assert planned.accuracy.of(1500) == pytest.approx(np.hypot(random, 5), rel=1e-6)
 
 
 def test_curve_has_no_correlations(fault_of: Callable[..., str]) -> None:

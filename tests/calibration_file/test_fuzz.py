@@ -26,7 +26,7 @@ WORDS = """
     timeout bulk_density angle_of_repose measurements uncertainty tolerance weight folder command
     function file nearest templates responses evaluate seed max_runs views lift_speed
     cluster walltime jobs runs_per_job partition setup options parsl
-    curve x y x_unit y_unit covariance common_uncertainty coordinate_unit
+    curve x y x_unit y_unit covariance systematic coordinate_unit
 """
 KEYS = st.sampled_from(WORDS.split()) | st.text(max_size=8)
 QUANTITIES = st.builds(

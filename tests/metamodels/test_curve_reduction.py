@@ -55,6 +55,38 @@ def test_curve_of_two_shapes_has_two_components() -> None:
     assert basis.names == ["curve, component 1", "curve, component 2"]
 
 
+def test_tolerance_of_a_curve_is_kept_at_every_point_along_each_component() -> None:
+    measured = CurveTarget(
+        "curve", PLACES.tolist(), bent(1.0, 1.0).tolist(), 0.02, 0.05, tolerance="8 %"
+    )
+    basis = CurveBasis.of(measured, simulated(), 2)
+
+    for component, along in zip(basis.targets, np.eye(2), strict=True):
+        at_limit, _ = basis.expected(component.value * np.ones(2) * along, np.zeros(2))
+        moved, _ = basis.expected(
+            (component.value + component.tolerance) * np.ones(2) * along, np.zeros(2)
+        )
+        shares = np.abs(moved - at_limit) / measured.tolerances
+        assert shares.max() == pytest.approx(1.0)
+        assert component.uncertainty == 1.0
+
+
+def test_curve_of_another_shape_within_its_tolerance_is_accepted() -> None:
+    wave = bent(1.0, 1.0) * (1 + 0.1 * np.sin(3 * np.arange(len(PLACES))))
+
+    def about(**tolerance: str) -> CurveBasis:
+        errors: dict[str, float | str] = {"uncertainty": 0.01, **tolerance}
+        return CurveBasis.of(
+            CurveTarget("curve", PLACES.tolist(), wave.tolist(), **errors),  # type: ignore[arg-type]
+            simulated(),
+            2,
+        )
+
+    assert about().has_other_shape
+    assert about(tolerance="5 %").has_other_shape
+    assert not about(tolerance="15 %").has_other_shape
+
+
 def test_a_component_is_said_to_be_the_part_of_the_curve_that_it_moves_most() -> None:
     curve = CurveTarget(
         "stress",

@@ -15,7 +15,7 @@ POINTS: dict[str, Any] = {"coordinates": [0.1, 0.2, 0.3], "values": [1.0, 2.0, 4
 
 
 def test_common_errors_are_the_same_at_all_points() -> None:
-    curve = CurveTarget("stress", **POINTS, uncertainty=0.1, common_uncertainty=0.2)
+    curve = CurveTarget("stress", **POINTS, uncertainty=0.1, systematic=0.2)
 
     assert curve.covariance_about(curve.values) == pytest.approx(0.01 * np.eye(3) + 0.04)
 
@@ -30,15 +30,15 @@ def test_percentage_is_a_share_of_the_true_values() -> None:
 @pytest.mark.parametrize(
     "errors",
     [
-        {"uncertainty": "2 %", "common_uncertainty": "1 %"},
-        {"uncertainty": [0.1, 0.2, 0.3]},
+        {"uncertainty": "2 %", "systematic": "1 %"},
+        {"uncertainty": [0.1, 0.2, 0.3], "tolerance": "5 %"},
         {"covariance": np.diag([1.0, 2.0, 3.0]) + 0.5},
     ],
 )
 def test_curve_target_survives_json(errors: dict[str, Any]) -> None:
     curve = CurveTarget("stress", **POINTS, **errors, unit="Pa", coordinate="strain")
 
-    assert CurveTarget(**curve.to_json()) == curve
+    assert CurveTarget.from_json(curve.to_json()) == curve
 
 
 @pytest.mark.parametrize(
@@ -56,13 +56,13 @@ def test_curve_target_survives_json(errors: dict[str, Any]) -> None:
         ({"values": [0.0, 1.0, 2.0]}, "not above 0"),
         ({"uncertainty": "much"}, "is 'much'"),
         ({"uncertainty": [0.1, 0.2]}, "does not fit"),
-        ({"common_uncertainty": -1.0}, "does not fit"),
+        ({"systematic": -1.0}, "does not fit"),
         ({"covariance": np.eye(3)}, "beside uncertainties"),
         ({"uncertainty": None, "covariance": np.eye(2)}, "has the shape"),
         ({"uncertainty": None, "covariance": np.ones((3, 3))}, "not positive definite"),
         ({"uncertainty": None, "covariance": np.triu(np.ones((3, 3)))}, "not symmetric"),
         ({"uncertainty": None, "covariance": "abc"}, "has the shape"),
-        ({"uncertainty": 1e-9, "common_uncertainty": 1.0}, "not positive definite"),
+        ({"uncertainty": 1e-9, "systematic": 1.0}, "not positive definite"),
         ({"values": [1e-170, 2e-170, 3e-170]}, "stress.values: has 1e-170 at position 1"),
         ({"values": [1.0, 2.0, 3e170]}, "stress.values: has 3e[+]170 at position 3"),
         ({"coordinates": [5e-324, 0.1, 0.2]}, "stress.coordinates: has 5e-324 at position 1"),
@@ -71,6 +71,8 @@ def test_curve_target_survives_json(errors: dict[str, Any]) -> None:
         ({"uncertainty": 1e-8, "values": [1.0, 20.0, 300.0]}, "and the largest value 300"),
         ({"uncertainty": None, "covariance": 1e80 * np.eye(3)}, "covariance: is 1e[+]40 at most"),
         ({"name": ""}, "has no name"),
+        ({"tolerance": 0.0}, "tolerance: is not above 0"),
+        ({"tolerance": "wide"}, "tolerance: is 'wide'"),
     ],
 )
 def test_impossible_curve_targets_are_refused(changed: dict[str, Any], words: str) -> None:
@@ -91,3 +93,9 @@ def test_impossible_curve_targets_are_refused(changed: dict[str, Any], words: st
 def test_impossible_curves_are_refused(coordinates: Any, values: Any, words: str) -> None:
     with pytest.raises(InputError, match=words):
         Curve(coordinates, values)
+
+
+def test_curve_saved_by_0_2_0_is_read() -> None:
+    saved = {"name": "stress", **POINTS, "uncertainty": "2 %", "common_uncertainty": "1 %"}
+
+    assert CurveTarget.from_json(saved).systematic == "1 %"

@@ -21,7 +21,7 @@ from grainfit.formatting import (
 )
 from grainfit.one_line import one_line
 from grainfit.problem import Target
-from grainfit.problem.repeated_measurements import NORMAL_QUANTILE
+from grainfit.student import NORMAL_QUANTILE
 from grainfit.tables import Summary, TextTable
 
 #: Half-width of a 95 % interval, in standard errors.

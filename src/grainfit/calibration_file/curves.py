@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 from grainfit.calibration_file.targets import Deviation, TargetTable
 from grainfit.errors import InputError
-from grainfit.options.kinds import Kind, Quantity, Schema, Text, note_wrong_kind
+from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
@@ -21,10 +21,17 @@ from grainfit.units import UnitError, how_to_write, is_unit, to_si, to_unit
 
 #: Key that makes a target a curve.
 CURVE = "curve"
+#: Key of several tables of one curve.
+MEASUREMENTS = "measurements"
 #: A curve as a calibration file gives it.
-CURVE_EXAMPLE = '{ curve = "curve.csv", uncertainty = "2 %", common_uncertainty = "2 %" }'
+CURVE_EXAMPLE = '{ curve = "curve.csv", uncertainty = "2 %", systematic = "2 %" }'
 
-_ERRORS = ("uncertainty", "common_uncertainty")
+_ERRORS = ("uncertainty", "systematic")
+_WIDTHS = (*_ERRORS, "tolerance")
+#: Name of `systematic` in version 0.2.0.
+_FORMER = "common_uncertainty"
+#: Endings of tables, by which a list of measurements is one of curves.
+_TABLES = (".csv", ".tsv", ".txt", ".dat")
 
 
 @dataclass(frozen=True)
@@ -55,15 +62,14 @@ class CurveTable(Kind):
                 _own_unit(value, "coordinate_unit", "x_unit"),
             )
             known = replace(self, unit=units[0], coordinate_unit=units[1])
-        plain = {key: value[key] for key in _ERRORS if _is_plain(value.get(key))}
+        plain = {key: value[key] for key in _WIDTHS if _is_plain(value.get(key))}
         written = value.get("y_unit")
         if isinstance(written, str) and written != known.unit:
             _note_unclear_errors(plain, f"y_unit is {show(written)}", written, place)
             plain = {}
-        if "tolerance" in value:
-            remedy = "What is accepted follows from the uncertainties: remove it."
-            place.at("tolerance").fault("is not a known key of a curve.", remedy)
-            value = {key: given for key, given in value.items() if key != "tolerance"}
+        if _FORMER in value:
+            place.at(_FORMER).fault("is called systematic now.", "Rename the key.")
+            value = {key: given for key, given in value.items() if key != _FORMER}
         keys = known._keys(is_own=self.unit is None)
         target: CurveTarget | None = Table(keys, partial(known._target, plain=plain)).read(
             value, place
@@ -78,40 +84,53 @@ class CurveTable(Kind):
         self, values: Values, place: Place, plain: Mapping[str, float] | None = None
     ) -> CurveTarget | None:
         """Return the curve; ``plain`` are the uncertainties that have no unit."""
-        x = self._column(values, "x", self.coordinate_unit, place)
-        y = self._column(values, "y", self.unit, place)
-        path = values.get(CURVE)
-        says_errors = "uncertainty" in values or "covariance" in values
-        points = None
-        if path is not None and x is not None and y is not None:
-            names = (values.get("x"), values.get("y"))
-            points = read_points(
-                path, (x, y), names, place.at(CURVE), most=MOST_POINTS, with_spread=not says_errors
-            )
-        if points is None or not points.standard_errors:
+        is_repeated = _is_repeated(values, place)
+        tables = self._tables(values, place)
+        if not is_repeated and (tables is None or not tables[0].standard_errors):
             _note_missing_errors(values, place)
-        if points is None or None in values.values():
+        if tables is None or None in values.values():
             return None
-        if points.unit and plain:
-            _note_unclear_errors(
-                plain, f"the values are in {show(points.unit)}", points.unit, place
+        for unit in {points.unit for points in tables if points.unit and plain}:
+            _note_unclear_errors(plain or {}, f"the values are in {show(unit)}", unit, place)
+        known: dict[str, Any] = {
+            "unit": self.unit or values.get("unit", ""),
+            "coordinate_unit": self.coordinate_unit or values.get("coordinate_unit", ""),
+            "coordinate": self.coordinate or tables[0].coordinate,
+        }
+        known |= {key: _error(*values[key]) for key in ("tolerance",) if key in values}
+        try:
+            return _repeated(values, tables, known, place) or self._single(
+                values, tables[0], known, place
             )
+        except InputError as error:
+            place.note(error, values, place.at(MEASUREMENTS if is_repeated else CURVE))
+            return None
+
+    def _single(
+        self, values: Values, points: Points, known: Mapping[str, Any], place: Place
+    ) -> CurveTarget | None:
+        """Return the curve of one table; None after noting faults of its uncertainties."""
         errors = _errors(values, points, self.unit or "", place)
         if errors is None:
             return None
-        try:
-            return CurveTarget(
-                place.key,
-                points.coordinates,
-                points.values,
-                **errors,
-                unit=self.unit or values.get("unit", ""),
-                coordinate_unit=self.coordinate_unit or values.get("coordinate_unit", ""),
-                coordinate=self.coordinate or points.coordinate,
-            )
-        except InputError as error:
-            place.note(error, values, place.at(CURVE))
+        return CurveTarget(place.key, points.coordinates, points.values, **errors, **known)
+
+    def _tables(self, values: Values, place: Place) -> list[Points] | None:
+        """Read the points of all tables; None after noting faults."""
+        x = self._column(values, "x", self.coordinate_unit, place)
+        y = self._column(values, "y", self.unit, place)
+        repeats, path = values.get(MEASUREMENTS), values.get(CURVE)
+        at = place.at(MEASUREMENTS)
+        places = {p: at.at(i) for i, p in enumerate(repeats or ())} or {path: place.at(CURVE)}
+        if None in places or x is None or y is None:
             return None
+        tells_spread = not repeats and not values.keys() & {"uncertainty", "covariance"}
+        names = (values.get("x"), values.get("y"))
+        found = [
+            read_points(one, (x, y), names, there, most=MOST_POINTS, with_spread=tells_spread)
+            for one, there in places.items()
+        ]
+        return None if None in found else [points for points in found if points is not None]
 
     def _column(self, values: Values, key: str, unit: str | None, place: Place) -> Wanted | None:
         """Return a column and its units; None after noting a unit that cannot be converted."""
@@ -135,6 +154,7 @@ class CurveTable(Kind):
         schema = Table(self._keys(is_own=self.unit is None)).schema()
         # Columns of the file may have the uncertainty.
         schema["not"] = {"required": ["uncertainty", "covariance"]}
+        schema["oneOf"] = [{"required": [key]} for key in (CURVE, MEASUREMENTS)]
         return schema
 
 
@@ -179,15 +199,15 @@ class OwnTarget(Kind):
     number : TargetTable
         Kind of a target that is one number.
     curve : CurveTable or RefusedCurve
-        Kind of a target with the key ``curve``.
+        Kind of a target with the key ``curve``, or with tables as measurements.
     """
 
     number: TargetTable
     curve: CurveTable | RefusedCurve
 
     def read(self, value: Any, place: Place) -> Target | CurveTarget | None:
-        """Read a curve if the table has the key ``curve``, or else one number."""
-        kind = self.curve if isinstance(value, dict) and CURVE in value else self.number
+        """Read a curve if tables are named, or else one number."""
+        kind = self.curve if _names_tables(value) else self.number
         target: Target | CurveTarget | None = kind.read(value, place)
         return target
 
@@ -219,8 +239,15 @@ def _curve_keys(unit: str | None) -> tuple[Key, ...]:
             CURVE,
             Located(),
             "Table with the measured curve: a header, and one line for each point.",
-            required=True,
             example='"curve.csv"',
+        ),
+        Key(
+            MEASUREMENTS,
+            ListOf(Located(), shortest=2),
+            "Instead of curve and uncertainty: tables of the same curve, measured at least twice. "
+            "Their mean is the curve; its uncertainty follows from their differences, with "
+            "Student's factor for few, together with the systematic part.",
+            example='["first.csv", "second.csv", "third.csv"]',
         ),
         Key("x", Text(), "Column of the coordinates.", default="the first one"),
         Key("y", Text(), "Column of the values.", default="the second one"),
@@ -245,11 +272,20 @@ def _curve_keys(unit: str | None) -> tuple[Key, ...]:
             example='"2 %"',
         ),
         Key(
-            "common_uncertainty",
+            "systematic",
             deviation,
             "Standard uncertainty that all points share: they are all too high, or all too low.",
             default="none",
             example='"2 %"',
+        ),
+        Key(
+            "tolerance",
+            deviation,
+            "Largest accepted deviation of the calibrated curve at each point: what is good "
+            'enough. "5 %" is a share of each value, and of a tenth of the largest where values '
+            "are smaller.",
+            default="two standard uncertainties, as the method has it",
+            example='"5 %"',
         ),
         Key(
             "covariance",
@@ -260,6 +296,43 @@ def _curve_keys(unit: str | None) -> tuple[Key, ...]:
             example='"covariance.csv"',
         ),
     )
+
+
+def _names_tables(value: Any) -> bool:
+    """Return whether a target is given by tables, and so is a curve."""
+    if not isinstance(value, dict):
+        return False
+    listed = value.get(MEASUREMENTS)
+    texts = [one for one in listed if isinstance(one, str)] if isinstance(listed, list) else []
+    return CURVE in value or any(one.lower().endswith(_TABLES) for one in texts)
+
+
+def _is_repeated(values: Values, place: Place) -> bool:
+    """Return whether there are several tables; note what does not go with them."""
+    if MEASUREMENTS not in values:
+        if CURVE not in values:
+            place.at(CURVE).fault(
+                "is missing.", "Give a table with the curve, or several as measurements."
+            )
+        return False
+    for key in (CURVE, "uncertainty", "covariance"):
+        if key in values:
+            place.at(key).fault(
+                "is given beside measurements.", f"The measurements say it: remove {key}."
+            )
+            values[key] = None
+    return True
+
+
+def _repeated(
+    values: Values, tables: Sequence[Points], known: Mapping[str, Any], place: Place
+) -> CurveTarget | None:
+    """Return the curve of several tables; None where there is one."""
+    if MEASUREMENTS not in values:
+        return None
+    systematic = {key: _error(*values[key]) for key in ("systematic",) if key in values}
+    curves = [(points.coordinates, points.values) for points in tables]
+    return CurveTarget.of_measurements(place.key, curves, **systematic, **known)
 
 
 def _own_unit(value: dict[str, Any], key: str, of_column: str) -> str | None:

@@ -207,8 +207,11 @@ def _comment(text: str) -> list[str]:
 
 _TESTS = """\
 # What was measured: one [[test]] for each laboratory test. Delete the targets that you do not have.
-# A target is mean and standard uncertainty of your measurements, or the measurements themselves:
-#     targets.angle_of_repose = { measurements = ["21.4 deg", "22.9 deg", "21.8 deg", "21.9 deg"] }
+# A target is a value with its standard uncertainty, or your measurements themselves; systematic is
+# what is wrong in all of them alike (protractor, scale), tolerance what is good enough for you:
+#     targets.angle_of_repose.measurements = ["21.4 deg", "22.9 deg", "21.8 deg"]
+#     targets.angle_of_repose.systematic = "0.4 deg"
+#     targets.angle_of_repose.tolerance = "1.5 deg"
 """
 _EXAMPLES = "# The targets below are examples: replace them by your measurements.\n"
 

@@ -111,9 +111,14 @@ class TargetTable(Kind):
 class PlannedTargetTable(TargetTable):
     """A target before the laboratory: its value may be missing."""
 
-    def _target(self, values: Values, place: Place) -> PlannedTarget | None:  # type: ignore[override]  # noqa: ARG002
+    def _target(self, values: Values, place: Place) -> PlannedTarget | None:  # type: ignore[override]
         if None in values.values():
             return None
+        if "measurements" in values:
+            target = super()._target(values, place)
+            if target is None:
+                return None
+            return PlannedTarget(target.value, Accuracy(target.standard_uncertainty))
         given = values.get("uncertainty") or values.get("tolerance")
         return PlannedTarget(values.get("value"), Accuracy(*given) if given else None)
 

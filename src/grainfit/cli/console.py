@@ -167,13 +167,16 @@ def print_plan(console: Console, plan: Plan) -> None:
 
 
 def _words_on_curve(curve: CurveTarget) -> tuple[str, str]:
-    """Return the extent of a measured curve, and its largest standard uncertainty."""
+    """Return the extent of a measured curve, and its largest uncertainty and tolerance."""
     first, last = (_number(curve.coordinates[end]) for end in (0, -1))
     unit = f" {curve.coordinate_unit}".rstrip()
     largest = float(curve.standard_uncertainties.max())
+    tolerance = ""
+    if curve.tolerance is not None:
+        tolerance = f", tolerance up to {_number(float(curve.tolerances.max()), curve.unit)}"
     return (
         f"{len(curve.values)} points over {curve.coordinate}, {first} to {last}{unit}",
-        f"uncertainty up to {_number(largest, curve.unit)}",
+        f"uncertainty up to {_number(largest, curve.unit)}{tolerance}",
     )
 
 

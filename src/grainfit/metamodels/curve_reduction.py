@@ -53,17 +53,20 @@ _OTHER_SHAPE = 1e-3
 
 @dataclass(frozen=True)
 class ComponentTarget(Target):
-    """Coordinate of a measured curve along a principal component, in standard uncertainties."""
+    """Coordinate of a measured curve along a principal component, in standard uncertainties.
+
+    Parameters
+    ----------
+    is_leading : bool
+        Whether it is one of the leading components, which the parameters decide.
+    """
+
+    is_leading: bool = True
 
     @override
     def _faults_of_size(self) -> list[Fault]:
         """None: it is computed, and may be as good as zero."""
         return []
-
-    @property
-    def is_leading(self) -> bool:
-        """Whether it is one of the leading components, which the parameters decide."""
-        return self.tolerance <= _LEADING_TOLERANCE
 
     @property
     def is_relative(self) -> bool:
@@ -73,7 +76,11 @@ class ComponentTarget(Target):
     @property
     def misfit_unit(self) -> float:
         """Deviation that counts as 1 in the misfit: as if 1 % of it were the uncertainty."""
-        return self.tolerance / DEFAULT_RELATIVE_TOLERANCE
+        return _usual_tolerance(self.is_leading) / DEFAULT_RELATIVE_TOLERANCE
+
+
+def _usual_tolerance(is_leading: bool) -> float:
+    return _LEADING_TOLERANCE if is_leading else _OTHER_TOLERANCE
 
 
 def component_name(curve: str, number: int) -> str:
@@ -159,15 +166,21 @@ class CurveBasis:
     def targets(self) -> list[ComponentTarget]:
         """The measured curve along the components."""
         values = (-self.components @ self.mean).tolist()
-        tolerances = [
-            _LEADING_TOLERANCE if number < self.parameters else _OTHER_TOLERANCE
-            for number in range(len(values))
-        ]
+        leading = [number < self.parameters for number in range(len(values))]
+        tolerances = map(_usual_tolerance, leading)
+        if self.target.tolerance is not None:
+            tolerances = map(self._accepted_along, self.components)
         return [
             # The typical curve: far runs of a small component are nonlinear rather than outlying.
-            ComponentTarget(name, value, 1.0, tolerance, statistic="median")
-            for name, value, tolerance in zip(self.names, values, tolerances, strict=True)
+            ComponentTarget(name, value, 1.0, tolerance, statistic="median", is_leading=is_leading)
+            for name, value, tolerance, is_leading in zip(
+                self.names, values, tolerances, leading, strict=True
+            )
         ]
+
+    def _accepted_along(self, direction: Array) -> float:
+        """Return the largest deviation along a component that is accepted at every point."""
+        return float(1 / np.abs(self.root @ direction / self.target.tolerances).max())
 
     def scores(self, values: Array) -> dict[str, Response]:
         """Return a simulated curve, at the measured coordinates, along the components."""
@@ -232,8 +245,13 @@ class CurveBasis:
 
     @property
     def has_other_shape(self) -> bool:
-        """Whether the measured curve has a shape that no simulated curve has."""
-        return self.shape_probability < _OTHER_SHAPE
+        """Whether the measured curve has a shape that no simulated curve has.
+
+        It has not where the nearest sum of components is within a tolerance that is given.
+        """
+        deviations = np.abs(self.nearest - np.asarray(self.target.values))
+        is_far = self.target.tolerance is None or bool((deviations > self.target.tolerances).any())
+        return is_far and self.shape_probability < _OTHER_SHAPE
 
     def _on_components(self, vector: Array) -> Array:
         return np.asarray((self.components @ vector) @ self.components)

@@ -16,7 +16,7 @@ from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN, PURPLE, QUIET
 from grainfit.problem import CurveTarget
-from grainfit.problem.repeated_measurements import NORMAL_QUANTILE
+from grainfit.student import NORMAL_QUANTILE
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:

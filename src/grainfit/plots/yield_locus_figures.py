@@ -12,8 +12,8 @@ from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, GREEN
-from grainfit.problem.repeated_measurements import NORMAL_QUANTILE
 from grainfit.result import YieldLocus, YieldLocusResult
+from grainfit.student import NORMAL_QUANTILE
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:

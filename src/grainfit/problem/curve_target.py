@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, NoReturn
@@ -16,6 +16,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.messages import Message
 from grainfit.problem import messages
 from grainfit.problem.correlations import symmetric_matrix
+from grainfit.problem.repeated_curves import RepeatedCurves
 from grainfit.units import percentage
 from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 
@@ -25,7 +26,9 @@ Array = NDArray[np.float64]
 MOST_POINTS = 400
 #: Share of a measured value below which the value that its percentages refer to never falls.
 _LEAST_SHARE = 0.1
-_ERRORS = ("uncertainty", "common_uncertainty")
+_ERRORS = ("uncertainty", "systematic")
+#: Names in saved calibrations, where they are others: those of version 0.2.0.
+_SAVED = {"systematic": "common_uncertainty"}
 #: Smallest eigenvalue of a matrix of correlations that can be inverted.
 _SMALLEST_EIGENVALUE = 1e-8
 #: Smaller variances have lost digits.
@@ -38,7 +41,7 @@ class CurveTarget:
 
     Its errors have two parts: one that is independent from point to point (noise of a sensor), and
     one that all points share (its calibration, the filling of the cell). With the second part, more
-    points do not promise more than the measurement knows.
+    points do not promise more than the measurement knows. The tolerance is apart from both.
 
     Parameters
     ----------
@@ -49,8 +52,12 @@ class CurveTarget:
     uncertainty : float, str or sequence of float, optional
         Standard uncertainty of the values that is independent from point to point, same unit;
         ``"2 %"`` is a share of each value.
-    common_uncertainty : float, str or sequence of float
+    systematic : float, str or sequence of float
         Standard uncertainty that all points share: they are all too high, or all too low.
+    tolerance : float, str or sequence of float, optional
+        Largest accepted deviation of the expected curve at each point; ``"5 %"`` is a share of each
+        value, and of a tenth of the largest where values are smaller. By default it follows from
+        the uncertainties.
     covariance : array_like, shape (n, n), optional
         Covariance of the errors, instead of both.
     unit, coordinate_unit : str
@@ -66,7 +73,7 @@ class CurveTarget:
 
     Examples
     --------
-    >>> stress = CurveTarget("stress", [0.01, 0.02], [2e3, 5e3], "2 %", common_uncertainty="1 %")
+    >>> stress = CurveTarget("stress", [0.01, 0.02], [2e3, 5e3], "2 %", systematic="1 %")
     >>> stress.covariance_about([2e3, 5e3]).round().tolist()
     [[2000.0, 1000.0], [1000.0, 12500.0]]
     """
@@ -75,7 +82,8 @@ class CurveTarget:
     coordinates: Sequence[float]
     values: Sequence[float]
     uncertainty: float | str | Sequence[float] | None = None
-    common_uncertainty: float | str | Sequence[float] = 0.0
+    systematic: float | str | Sequence[float] = 0.0
+    tolerance: float | str | Sequence[float] | None = None
     covariance: ArrayLike | None = None
     unit: str = ""
     coordinate_unit: str = ""
@@ -88,6 +96,8 @@ class CurveTarget:
             object.__setattr__(self, key, self._numbers(key, getattr(self, key)))
         if fault := self._point_fault():
             raise InputError(fault)
+        if self.tolerance is not None:
+            self._read_tolerance()
         if self.covariance is not None:
             self._read_covariance(self.covariance)
             self._require_invertible("covariance")
@@ -100,6 +110,51 @@ class CurveTarget:
         self._require_invertible("uncertainty")
         for key in _ERRORS:
             self._require_computable(key, self._deviations(key, np.asarray(self.values)))
+
+    @classmethod
+    def of_measurements(
+        cls,
+        name: str,
+        curves: Iterable[tuple[ArrayLike, ArrayLike]],
+        *,
+        systematic: float | str = 0.0,
+        **options: Any,
+    ) -> CurveTarget:
+        """Return the target of a curve that was measured several times.
+
+        Its values are the means. What differs between the curves as a whole counts as an error that
+        all points share, together with the systematic part; the rest is independent from point to
+        point. Both are standard errors of the mean, with Student's factor for few curves.
+
+        Parameters
+        ----------
+        name : str
+            Name of the response.
+        curves : iterable of (coordinates, values)
+            At least two curves; the means are taken at those coordinates of the first one that all
+            of them span.
+        systematic : float or str, optional
+            Standard uncertainty that all curves share, such as that of a load cell.
+        **options
+            Others of a `CurveTarget`, such as ``tolerance`` and ``unit``.
+
+        Examples
+        --------
+        >>> presses = [([1, 2, 3], [10.0, 21.0, 29.0]), ([1, 2, 3], [11.0, 20.0, 33.0])]
+        >>> CurveTarget.of_measurements("stress", presses, systematic="2 %").values
+        (10.5, 20.5, 31.0)
+        """
+        repeats = RepeatedCurves.of(name, curves)
+        points = repeats.coordinates.tolist(), repeats.mean.tolist(), repeats.independent.tolist()
+        instrument = cls(name, *points, systematic, **options)
+        shared = instrument._deviations("systematic", repeats.mean)
+        return replace(instrument, systematic=np.hypot(repeats.common, shared).tolist())
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> CurveTarget:
+        """Return the curve of plain data that `to_json` made."""
+        current = {saved: key for key, saved in _SAVED.items()}
+        return cls(**{current.get(key, key): value for key, value in data.items()})
 
     def __repr__(self) -> str:
         return f"CurveTarget({self.name!r}, {len(self.values)} points, unit={self.unit!r})"
@@ -145,6 +200,20 @@ class CurveTarget:
             self._refuse(key, messages.DOES_NOT_FIT_POINTS)
         return numbers
 
+    def _read_tolerance(self) -> None:
+        object.__setattr__(self, "tolerance", self._read_error("tolerance"))
+        if not (self.tolerances > 0).all():
+            self._refuse("tolerance", messages.NOT_ABOVE_ZERO_EVERYWHERE)
+        self._require_computable("tolerance", self.tolerances)
+
+    @cached_property
+    def tolerances(self) -> Array:
+        """Largest accepted deviations at the points, shape (n,); infinite where none is given."""
+        sizes = np.abs(np.asarray(self.values))
+        if self.tolerance is None:
+            return np.full(len(sizes), np.inf)
+        return self._deviations("tolerance", np.maximum(sizes, _LEAST_SHARE * sizes.max()))
+
     def _deviations(self, key: str, values: Array) -> Array:
         """Return an uncertainty at every point; a percentage is a share of some values."""
         given = getattr(self, key)
@@ -154,11 +223,11 @@ class CurveTarget:
 
     def _read_covariance(self, given: ArrayLike) -> None:
         key, count = f"{self.name}.covariance", len(self.values)
-        if self.uncertainty is not None or np.any(np.asarray(self.common_uncertainty) != 0):
+        if self.uncertainty is not None or np.any(np.asarray(self.systematic) != 0):
             self._refuse("covariance", messages.COVARIANCE_AND_UNCERTAINTIES)
         matrix = symmetric_matrix(given, count, key, "point")
         object.__setattr__(self, "uncertainty", None)
-        object.__setattr__(self, "common_uncertainty", 0.0)
+        object.__setattr__(self, "systematic", 0.0)
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))
 
     def _require_computable(self, key: str, errors: Array) -> None:
@@ -183,9 +252,10 @@ class CurveTarget:
         self._refuse(key, messages.NOT_POSITIVE_DEFINITE)
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, from which the constructor makes the same curve."""
-        keys = ("covariance",) if self.covariance is not None else _ERRORS
-        data = {key: _plain(getattr(self, key)) for key in ("coordinates", "values", *keys)}
+        """Return plain data, from which `from_json` makes the same curve."""
+        errors = ("covariance",) if self.covariance is not None else _ERRORS
+        keys = ["coordinates", "values", *errors, *(["tolerance"] if self.tolerance else [])]
+        data = {_SAVED.get(key, key): _plain(getattr(self, key)) for key in keys}
         texts = ("name", "unit", "coordinate_unit", "coordinate")
         return {**{key: getattr(self, key) for key in texts}, **data}
 
@@ -209,7 +279,7 @@ class CurveTarget:
             return np.asarray(self.covariance, dtype=float)
         measured = np.abs(np.asarray(self.values))
         true = np.maximum(np.abs(np.asarray(values, dtype=float)), _LEAST_SHARE * measured)
-        common = self._deviations("common_uncertainty", true)
+        common = self._deviations("systematic", true)
         return np.diag(self._deviations("uncertainty", true) ** 2) + np.outer(common, common)
 
     @cached_property

@@ -42,6 +42,22 @@ EQUAL_MEASUREMENTS = Message(
     "Give systematic, the standard uncertainty of the instrument, beside them; or give value and "
     "uncertainty instead.",
 )
+FEW_CURVES = Message(
+    "are fewer than two curves.",
+    "Give at least two; a single one is a curve with its uncertainty.",
+)
+EQUAL_CURVES = Message(
+    "are all the same, so that nothing is known of their scatter.",
+    "Give the curves of different tests, or a single one with its uncertainty.",
+)
+NO_COMMON_RANGE = Message(
+    "share fewer than two points of the first one: all of them span {first:g} to {last:g} only.",
+    "Give curves over the same coordinates.",
+)
+NO_PAIR = Message(
+    "have one that is no curve.",
+    "Give pairs of coordinates, increasing, and as many values, all finite.",
+)
 SHARE_OF_ZERO = Message(
     "is {given}.",
     "Give it in the unit of the response: the value is 0, and so is any percentage of it.",

@@ -9,16 +9,13 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
-from scipy import special
-
 from grainfit.errors import Fault, InputError
 from grainfit.problem import messages
 from grainfit.problem.quantities import read_quantities, share_of, shown
+from grainfit.student import student_factor
 from grainfit.units import percentage
 from grainfit.validation import as_number
 
-#: Half the width of a 95 % interval in standard deviations.
-NORMAL_QUANTILE = 1.96
 #: Finest tolerances that repeats alone can give: they do not show what is wrong in all of them.
 FINEST_SHARE = 0.01
 FINEST_ANGLE = 0.5
@@ -60,8 +57,7 @@ class RepeatedMeasurements:
         The factor makes 1.96 of these half the width of the 95 % interval of the mean.
         """
         count = len(self.values)
-        student = float(special.stdtrit(count - 1, 0.975)) / NORMAL_QUANTILE
-        return student * statistics.stdev(self.values) / math.sqrt(count)
+        return student_factor(count) * statistics.stdev(self.values) / math.sqrt(count)
 
     @property
     def uncertainty(self) -> float:

@@ -11,7 +11,8 @@ from grainfit.errors import Fault, InputError
 from grainfit.formatting import short_repr
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
-from grainfit.problem.repeated_measurements import NORMAL_QUANTILE, read_measurements
+from grainfit.problem.repeated_measurements import read_measurements
+from grainfit.student import NORMAL_QUANTILE
 from grainfit.units import percentage
 from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 

@@ -19,7 +19,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.materials.card import Determination
-from grainfit.verdict.out_of_reach import NORMAL_QUANTILE
+from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.rule import Verdict
 
 #: From this percentage on, the ends of an interval are given instead.

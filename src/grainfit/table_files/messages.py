@@ -65,7 +65,7 @@ SAME_COORDINATE = Message(
     "is the same as in line {first}, {value:g}.",
     "Give one point for each {label}, such as the mean of several.",
 )
-NO_COUNT = Message("is {count:g}.", "The number of measurements is a whole number from 1 on.")
+NO_COUNT = Message("is {count:g}.", "A deviation needs a whole number of measurements, 2 or more.")
 ROWS_OF_COVARIANCE = Message(
     "ends a table of {rows} rows, and the curve has {count} points.",
     "Give {count} rows of {count} numbers, one for each point of the curve.",

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from grainfit.options.kinds import Quantity
+from grainfit.student import student_factor
 from grainfit.table_files import messages
 from grainfit.table_files.dialects import Row
 from grainfit.table_files.headings import WITHOUT_UNIT, Heading
@@ -45,7 +46,10 @@ class Spread:
     def standard_errors(
         self, read: Sequence[Mapping[int, float | None]], reading: Reading, rows: Sequence[Row]
     ) -> list[float]:
-        """Return the standard error of each row; note the numbers that give none."""
+        """Return the standard error of each row; note the numbers that give none.
+
+        One from a deviation has Student's factor for few measurements.
+        """
         if self.error is not None:
             return [row[self.error] or 0.0 for row in read]
         assert self.deviation is not None
@@ -54,11 +58,11 @@ class Spread:
         errors = []
         for numbers, row in zip(read, rows, strict=True):
             deviation, count = numbers[self.deviation], numbers[self.count]
-            if count is not None and (count < 1 or count != int(count)):
+            if count is not None and (count < 2 or count != int(count)):
                 where = f"line {row.line}, column {label}"
                 reading.faults.note(messages.NO_COUNT.fault(where, count=count))
             elif deviation is not None and count is not None:
-                errors.append(deviation / math.sqrt(count))
+                errors.append(student_factor(int(count)) * deviation / math.sqrt(count))
         return errors
 
 

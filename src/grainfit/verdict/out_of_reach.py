@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from grainfit.formatting import in_a_row, number, plain_interval, unit_for_people, with_unit
+from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict import messages
 
 Bound = Literal["min", "max"]
-#: Half the width of a 95 % interval in standard errors.
-NORMAL_QUANTILE = 1.96
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from grainfit.materials.card import Determination
 from grainfit.problem import Parameter
-from grainfit.problem.repeated_measurements import NORMAL_QUANTILE
 from grainfit.result import ParameterInterval
+from grainfit.student import NORMAL_QUANTILE
 
 #: Width of a 95 % interval over that before the tests: up to the first determined, from the second
 #: on not determined.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grainfit.problem import Parameter
-from grainfit.problem.repeated_measurements import NORMAL_QUANTILE
+from grainfit.student import NORMAL_QUANTILE
 
 Array = NDArray[np.float64]
 

@@ -314,7 +314,7 @@ def _problem(
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
         correlations=definition.get("correlations", ()),
         tests=[TestScope(**data) for data in about.get("tests", [])],
-        curves=[CurveTarget(**data) for data in definition.get("curves", [])],
+        curves=[CurveTarget.from_json(data) for data in definition.get("curves", [])],
     )
     # A strategy may move a bound that is in the way.
     return problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations])

@@ -1,0 +1,26 @@
+"""Intervals of means: the normal quantile, and Student's factor for few values."""
+
+from __future__ import annotations
+
+from scipy import special
+
+#: Half the width of a 95 % interval in standard deviations.
+NORMAL_QUANTILE = 1.96
+
+
+def student_factor(count: int) -> float:
+    """Return Student's factor on the standard error of the mean of few values.
+
+    `NORMAL_QUANTILE` times it is Student's quantile, so that both together give the 95 % interval.
+
+    Parameters
+    ----------
+    count : int
+        Number of values, at least 2.
+
+    Examples
+    --------
+    >>> round(student_factor(3), 2)
+    2.2
+    """
+    return float(special.stdtrit(count - 1, 0.975)) / NORMAL_QUANTILE
