@@ -136,6 +136,7 @@ def test_every_public_object_is_shown_in_one_line(tmp_path: Path) -> None:
     own = [
         gf.solvers.PythonCallable(lambda parameters, seed: {"angle": 1.0}),
         gf.solvers.RecordedTable(table, ["friction"], ["angle"]),
+        gf.solvers.SourceRecord("line 17", {f"parameter_{n}": 0.1 for n in range(14)}, True),
         gf.solvers.Command(tmp_path, ["sh", "-c", "{{ friction }}" + "x" * 200]),
     ]
     objects = [*of_calibration(tmp_path), *of_tests(tmp_path), *of_values(), *of_scenes(), *own]

@@ -98,6 +98,8 @@ def judge_answer(
         correlated=tuple(dict.fromkeys(name for pair in pairs for name in pair[:2])),
         tests={scope.name: scope.targets for scope in problem.scopes},
         has_several_tests=bool(problem.tests),
+        no_record=fresh.no_record,
+        repeats_records=fresh.repeats_records,
     )
     return JudgedAnswer(answer, fresh, evidence, judge(evidence))
 

@@ -20,6 +20,7 @@ from grainfit.calibration.judged_answer import JudgedAnswer, judge_answer
 from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
+from grainfit.calibration.records_read import RecordsRead
 from grainfit.calibration.verification import runs_near
 from grainfit.calibration.warm_start import warm_start
 from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
@@ -76,6 +77,7 @@ class CalibrationLoop:
         self._store = store
         self._options = options
         self._evaluations: list[Evaluation] = []
+        self._records = RecordsRead(campaign.solvers, campaign.repeats)
         #: Runs of the warm start.
         self._known: Sequence[Evaluation] = ()
         #: Number of runs of the warm start, by their source.
@@ -206,7 +208,7 @@ class CalibrationLoop:
         """Alternate between search and fresh seeds at its answer until the verdict is known."""
         self._run_strategy()
         outcome = self._judge_answer()
-        while self._can_be_confirmed(outcome.answer):
+        while self._can_be_confirmed(outcome):
             self._run_fresh_seeds(outcome)
             outcome = self._judge_answer()
             if self._is_sure(outcome):
@@ -222,7 +224,11 @@ class CalibrationLoop:
     def _judge(self, answer: Answer) -> JudgedAnswer:
         usable = without_blow_ups(self._problem, self._evaluations)
         problem, evaluations = answer.reduced(self._problem, usable)
-        fresh = runs_near(problem, answer, evaluations, self._strategy.answer)
+        fresh = runs_near(
+            problem, answer, evaluations, self._strategy.answer, self._stale(evaluations)
+        )
+        missing = self._records.missing_at(answer.parameters, self._problem)
+        fresh = replace(fresh, no_record=missing)
         return judge_answer(
             problem,
             answer,
@@ -232,18 +238,26 @@ class CalibrationLoop:
             self._campaign.repeats,
         )
 
+    def _stale(self, evaluations: Sequence[Evaluation]) -> Mapping[int, set[str]]:
+        """Return what the runs at answers have read again, see `RecordsRead`."""
+        is_fresh = [one.proposal.stage == "verification" for one in evaluations]
+        search = [one for one, fresh in zip(evaluations, is_fresh, strict=True) if not fresh]
+        verification = [one for one, fresh in zip(evaluations, is_fresh, strict=True) if fresh]
+        return self._records.stale([*self._known, *search], verification)
+
     def _is_sure(self, outcome: JudgedAnswer) -> bool:
         """Return whether the outcome would hardly change with more runs."""
         enough = outcome.answer.probability_all_met >= self._strategy.confidence_to_stop
         return enough and outcome.status == "calibrated"
 
-    def _can_be_confirmed(self, answer: Answer) -> bool:
+    def _can_be_confirmed(self, outcome: JudgedAnswer) -> bool:
         """Return whether a few fresh seeds at the answer could make it certain enough."""
         if self._recorded:
             return True
-        left, least = self._left(), self._strategy.verify_from
+        answer, left, least = outcome.answer, self._left(), self._strategy.verify_from
         return (
-            not answer.out_of_reach
+            not outcome.fresh.no_record
+            and not answer.out_of_reach
             and (left is None or left > 0)
             and min(answer.probability_all_met, answer.probability_without_outliers) >= least
             and answer.runs_needed <= VERDICT.most_fresh_seeds

@@ -7,7 +7,7 @@ the metamodels' difference between the two points.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from statistics import fmean, stdev
@@ -19,6 +19,7 @@ from grainfit.problem import Problem
 from grainfit.strategies.answer import Answer
 from grainfit.verdict.evidence import Verified
 from grainfit.verdict.options import VERDICT
+from grainfit.verdict.reasons import NoRecordThere
 
 
 @dataclass(frozen=True)
@@ -33,11 +34,17 @@ class FreshRuns:
         The runs themselves, failed ones included.
     search : sequence of Evaluation
         The runs that verify nothing: where there are none at the answer, they tell how many fail.
+    no_record : sequence of NoRecordThere
+        Tests whose runs are read from a table that has none at the answer.
+    repeats_records : bool
+        Whether some of the runs have read rows that were read before, which verify nothing.
     """
 
     values: Mapping[str, Mapping[int, float]]
     evaluations: Sequence[Evaluation]
     search: Sequence[Evaluation] = ()
+    no_record: Sequence[NoRecordThere] = ()
+    repeats_records: bool = False
 
     @property
     def failures(self) -> tuple[int, int]:
@@ -65,6 +72,7 @@ def runs_near(
     answer: Answer,
     evaluations: Iterable[Evaluation],
     describe: Callable[[Mapping[str, float]], Answer],
+    stale: Mapping[int, Collection[str]] | None = None,
 ) -> FreshRuns:
     """Return the verification runs at or very near an answer.
 
@@ -78,7 +86,10 @@ def runs_near(
         All runs.
     describe : callable
         Returns the predictions for a parameter set; only called for the few that are verified.
+    stale : mapping of int to collection of str, optional
+        Responses by seed that verify nothing, see `RecordsRead.stale`.
     """
+    stale = stale or {}
     values: dict[str, dict[int, float]] = {target.name: {} for target in problem.targets}
     near: list[Evaluation] = []
     search: list[Evaluation] = []
@@ -94,10 +105,12 @@ def runs_near(
         if shift is None:
             continue
         near.append(evaluation)
+        ignored = stale.get(evaluation.proposal.seed, ())
         for name, response in evaluation.responses.items():
-            if name in values:
+            if name in values and name not in ignored:
                 values[name][evaluation.proposal.seed] = response.value + shift[name]
-    return FreshRuns(values, near, search)
+    repeats_records = any(evaluation.proposal.seed in stale for evaluation in near)
+    return FreshRuns(values, near, search, repeats_records=repeats_records)
 
 
 def _shift(

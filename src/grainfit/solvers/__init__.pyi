@@ -1,6 +1,7 @@
 """Public names of `grainfit.solvers`."""
 
 from grainfit.solvers.base import Solver as Solver
+from grainfit.solvers.base import SourceRecord as SourceRecord
 from grainfit.solvers.base import Workspace as Workspace
 from grainfit.solvers.dem.lammps.program import Lammps as Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts as Liggghts

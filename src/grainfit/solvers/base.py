@@ -55,6 +55,27 @@ class Workspace:
     cancelled: threading.Event = field(default_factory=threading.Event)
 
 
+@dataclass(frozen=True)
+class SourceRecord:
+    """Record that a run reads instead of being made.
+
+    Parameters
+    ----------
+    name : str
+        Name of the record among all of its solver.
+    parameters : mapping of str to float
+        Values with which it was made.
+    is_at_parameters : bool
+        Whether these are the values of the run.
+    """
+
+    __repr__ = one_line
+
+    name: str
+    parameters: Mapping[str, float]
+    is_at_parameters: bool
+
+
 class Solver(ABC):
     """Interface of solvers: turn parameter values and a seed into responses."""
 
@@ -165,6 +186,17 @@ class Solver(ABC):
         RunFailedError
             The run gave no responses; the error has the reason and the end of the log.
         """
+
+    def record_of(
+        self,
+        parameters: Mapping[str, float],  # noqa: ARG002
+        seed: int,  # noqa: ARG002
+    ) -> SourceRecord | None:
+        """Return the record that a run reads; None, the default, for a run that is made.
+
+        Runs that read one record are no independent evidence, whatever their seeds.
+        """
+        return None
 
     def check(self) -> None:
         """Raise `SolverNotFoundError` or `InputError` if no run can succeed."""

@@ -11,7 +11,7 @@ from typing_extensions import override
 from grainfit.contact_models.registry import is_material_parameter
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
-from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.base import Solver, SourceRecord, Workspace
 from grainfit.solvers.run_cost import RunCost
 
 if TYPE_CHECKING:
@@ -112,6 +112,10 @@ class ParametersFor(Solver):
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
     ) -> Mapping[str, Measured]:
         return self.solver.run(self._taken(parameters), seed, workspace)
+
+    @override
+    def record_of(self, parameters: Mapping[str, float], seed: int) -> SourceRecord | None:
+        return self.solver.record_of(self._taken(parameters), seed)
 
     @override
     def check(self) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from grainfit.verdict.out_of_reach import CurveMiss, OutOfReach
-from grainfit.verdict.reasons import NoisyCurve, OutlyingRuns
+from grainfit.verdict.reasons import NoisyCurve, NoRecordThere, OutlyingRuns
 
 
 @dataclass(frozen=True)
@@ -140,6 +140,10 @@ class Evidence:
         Targets by name of the test.
     has_several_tests : bool
         Whether tests are simulated one by one.
+    no_record : sequence of NoRecordThere
+        Tests whose runs are read from a table that has none at the answer.
+    repeats_records : bool
+        Whether runs at the answer have read rows that were read before.
     """
 
     targets: Sequence[TargetEvidence]
@@ -156,6 +160,8 @@ class Evidence:
     correlated: Sequence[str]
     tests: Mapping[str, Sequence[str]]
     has_several_tests: bool
+    no_record: Sequence[NoRecordThere] = ()
+    repeats_records: bool = False
 
     @property
     def fresh_seeds(self) -> int:

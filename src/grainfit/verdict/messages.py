@@ -71,6 +71,16 @@ FRESH_SEEDS_FAILED = Message(
     "Undecided because only {made} of {wanted} runs with fresh seeds at the answer succeeded: "
     "{failed} of {ended} there failed."
 )
+NO_RECORD_THERE = Message(
+    "Undecided because the table{of_test} has no row at the answer; the nearest is {record}, at "
+    "{there}.",
+    "Simulate the answer: what another row holds, however often it is read, confirms nothing.",
+)
+RECORDS_REPEATED = Message(
+    "Undecided because only {made} of {wanted} fresh seeds at the answer read a row of the table "
+    "that no other run had read.",
+    "Record more runs there: reading a row again is no repetition.",
+)
 
 # Parts of TOO_MUCH_SCATTER.
 RUNS_NEEDED = Message("It would take about {runs} at the answer")

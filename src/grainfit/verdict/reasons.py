@@ -227,6 +227,46 @@ class FreshSeedsMissing(Reason):
 
 
 @dataclass(frozen=True)
+class NoRecordThere(Reason):
+    """A table has no row at the answer, so that no run there can be read.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test; empty for the only one.
+    record, there : str
+        Place of the nearest row in the table, and its parameters with their units.
+    """
+
+    test: str
+    record: str
+    there: str
+    kind = "no record there"
+
+    def __str__(self) -> str:
+        of_test = f" of {self.test}" if self.test else ""
+        return messages.NO_RECORD_THERE(of_test=of_test, record=self.record, there=self.there)
+
+
+@dataclass(frozen=True)
+class RecordsRepeated(Reason):
+    """Runs with fresh seeds have read rows of a table that other runs had read.
+
+    Parameters
+    ----------
+    made, wanted : int
+        Number of fresh seeds that read a row of their own, and the demanded one.
+    """
+
+    made: int
+    wanted: int
+    kind = "records repeated"
+
+    def __str__(self) -> str:
+        return messages.RECORDS_REPEATED(made=self.made, wanted=self.wanted)
+
+
+@dataclass(frozen=True)
 class NoisyResponse:
     """Scatter of an evaluation, with the tolerance."""
 

@@ -18,6 +18,7 @@ from grainfit.verdict.reasons import (
     OtherShape,
     OutliersDecide,
     Reason,
+    RecordsRepeated,
     ScatterChanges,
     TooMuchScatter,
     TwoStates,
@@ -59,7 +60,7 @@ def judge(evidence: Evidence) -> Judgement:
     """
     contradicted = tuple(one.name for one in evidence.targets if is_contradicted(one))
     lacking = _lacking(evidence)
-    doubted = bool(contradicted) or sum(lacking.values()) > 0
+    doubted = bool(contradicted) or sum(lacking.values()) > 0 or len(evidence.no_record) > 0
     confidence = evidence.confidence
     return Judgement(
         _status(evidence, in_doubt=doubted),
@@ -235,6 +236,12 @@ def useless_scatter(
 
 def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
     """Yield why neither of both verdicts is established."""
+    if evidence.no_record:
+        yield from evidence.no_record
+        return
+    if evidence.repeats_records and any(judgement.lacking.values()):
+        yield RecordsRepeated(evidence.fresh_seeds, evidence.fewest_fresh)
+        return
     with_all, without = evidence.probability_all_met, evidence.probability_without_outliers
     has_outliers = any(one.outlying is not None for one in evidence.targets)
     if has_outliers and abs(with_all - without) > 1 - evidence.confidence:

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.evaluation.exchange import finite_parameters
 from grainfit.options.kinds import Quantity
-from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.base import Solver, SourceRecord, Workspace
 from grainfit.solvers.own_model import table_messages as messages
 from grainfit.solvers.own_model.csv_table import (
     OLD_ERROR_SUFFIX,
@@ -53,7 +54,7 @@ class RecordedTable(Solver):
         of ``NAME``, if there is one.
     nearest : bool
         Use the nearest recorded run (in the unit cube of the table's ranges) if there is none at
-        the requested parameters. Nothing is interpolated.
+        the requested parameters. Nothing is interpolated, and such a row confirms no answer.
     tolerance : float
         Largest accepted deviation from a recorded parameter, relative to its range in the table.
     name : str
@@ -91,6 +92,7 @@ class RecordedTable(Solver):
         self._tolerance = tolerance
         recorded = _read(source, self._parameters, self._responses, units or {})
         rows, self._understood = recorded.rows, recorded.understood
+        self._places = recorded.places
         self._points = np.array([[row[name] for name in self._parameters] for row in rows])
         self._rows = rows
         span = np.ptp(self._points, axis=0)
@@ -133,11 +135,21 @@ class RecordedTable(Solver):
         values = self._values(parameters)
         if workspace.cancelled.is_set():
             raise RunFailedError(process_messages.STOPPED(), kind="cancelled")
-        row = self._pick(self._replicates(values), int(seed))
+        row = self._rows[self._pick(self._replicates(values), int(seed))]
         return {
             name: Response(row[name], row.get(f"{name}{ERROR_SUFFIX}", 0.0))
             for name in self._responses
         }
+
+    @override
+    def record_of(self, parameters: Mapping[str, float], seed: int) -> SourceRecord | None:
+        values = self._values(parameters)
+        try:
+            index = self._pick(self._replicates(values), int(seed))
+        except RunFailedError:
+            return None
+        recorded = dict(zip(self._parameters, self._points[index].tolist(), strict=True))
+        return SourceRecord(self._places[index], recorded, bool(self._at(values)[index]))
 
     def _values(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = finite_parameters(parameters)
@@ -152,26 +164,31 @@ class RecordedTable(Solver):
             raise InputError(faults)
         return values
 
-    def _replicates(self, values: Mapping[str, float]) -> list[dict[str, float]]:
-        """Return all recorded runs at these parameters, or at the nearest ones if allowed."""
+    def _offsets(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return how far the recorded runs are from these parameters, in ranges of the table."""
         wanted = np.array([values[name] for name in self._parameters])
-        offsets = (self._points - wanted) / self._scale
-        same = np.abs(offsets).max(axis=1, initial=0.0) <= self._tolerance
-        if not same.any():
-            nearest = int(np.linalg.norm(offsets, axis=1).argmin())
-            if not self._nearest:
-                there = ", ".join(
-                    f"{name} = {value:.10g}"
-                    for name, value in zip(self._parameters, self._points[nearest], strict=True)
-                )
-                raise RunFailedError(messages.NO_RUN_THERE(there=there))
-            apart = (self._points - self._points[nearest]) / self._scale
-            same = np.abs(apart).max(axis=1, initial=0.0) <= self._tolerance
-        return [self._rows[i] for i in np.flatnonzero(same)]
+        offsets: NDArray[np.float64] = (self._points - wanted) / self._scale
+        return offsets
 
-    @staticmethod
-    def _pick(replicates: list[dict[str, float]], seed: int) -> dict[str, float]:
-        recorded = [row for row in replicates if row.get(SEED_COLUMN) == seed]
+    def _at(self, values: Mapping[str, float]) -> NDArray[np.bool_]:
+        """Return which recorded runs are at these parameters."""
+        apart = np.abs(self._offsets(values)).max(axis=1, initial=0.0)
+        return np.asarray(apart <= self._tolerance)
+
+    def _replicates(self, values: Mapping[str, float]) -> list[int]:
+        """Return all recorded runs at these parameters, or at the nearest ones if allowed."""
+        same = self._at(values)
+        if not same.any():
+            index = int(np.linalg.norm(self._offsets(values), axis=1).argmin())
+            nearest = dict(zip(self._parameters, self._points[index].tolist(), strict=True))
+            if not self._nearest:
+                there = ", ".join(f"{name} = {value:.10g}" for name, value in nearest.items())
+                raise RunFailedError(messages.NO_RUN_THERE(there=there))
+            same = self._at(nearest)
+        return np.flatnonzero(same).tolist()
+
+    def _pick(self, replicates: list[int], seed: int) -> int:
+        recorded = [index for index in replicates if self._rows[index].get(SEED_COLUMN) == seed]
         return recorded[0] if recorded else replicates[seed % len(replicates)]
 
 

@@ -173,7 +173,8 @@ TABLE = TestType(
         Key(
             "nearest",
             Flag(),
-            "Whether to use the nearest recorded run for one that was not recorded; false.",
+            "Whether to use the nearest recorded run for one that was not recorded; it confirms no "
+            "answer; false.",
         ),
         _PARAMETERS,
     ),

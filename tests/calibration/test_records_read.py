@@ -1,0 +1,88 @@
+"""Rows of a table as evidence: once each, and at their own parameters only."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import grainfit as gf
+from grainfit.calibration.records_read import RecordsRead
+from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.solvers.own_model.recorded_table import RecordedTable
+from grainfit.solvers.parameters_for import AllBut, ParametersFor
+from grainfit.verdict.reasons import NoRecordThere
+
+FRICTION = gf.Parameter("friction", 0.1, 0.9)
+ROLLING = gf.Parameter("rolling", 0.1, 0.9, unit="1/m")
+ANGLE = gf.Target("angle", 27.0, tolerance=0.4, unit="deg")
+
+
+def rows(count: int) -> list[dict[str, float]]:
+    random = np.random.default_rng(2)
+    points = random.uniform(0.1, 0.9, (count, 2))
+    return [
+        {"friction": a, "rolling": b, "angle": 15 + 20 * a + 5 * b + random.normal(0, 0.3)}
+        for a, b in points.tolist()
+    ]
+
+
+@pytest.fixture(scope="module")
+def result() -> gf.Result:
+    """Calibration that was "calibrated, more than 99 %" by one row, read three times."""
+    table = RecordedTable(rows(40), ["friction", "rolling"], ["angle"], nearest=True)
+    return gf.calibrate(gf.Problem([FRICTION, ROLLING], [ANGLE]), table, seed=2)
+
+
+def test_nearest_rows_of_a_table_confirm_no_answer(result: gf.Result) -> None:
+    assert result.status == "undecided"
+    assert result.responses["angle"].verified_values == ()
+    assert result.runs.verification == 0
+
+
+def test_an_answer_without_a_row_names_the_nearest(result: gf.Result) -> None:
+    [reason] = [one for one in result.reasons if isinstance(one, NoRecordThere)]
+    place = np.array([result.parameters[name] for name in ("friction", "rolling")])
+    points = np.array([[row["friction"], row["rolling"]] for row in rows(40)])
+    span = np.ptp(points, axis=0)
+    nearest = int(np.linalg.norm((points - place) / span, axis=1).argmin())
+    assert reason.record == f"row {nearest + 1}"
+    friction, rolling = points[nearest]
+    assert reason.there == f"friction = {friction:.6g}, rolling = {rolling:.6g} 1/m"
+    assert f"no row at the answer; the nearest is {reason.record}" in str(reason)
+
+
+REPEATED = [{"friction": 0.5, "angle": 0.0} for _ in range(3)] + [{"friction": 0.7, "angle": 9.0}]
+
+
+def read(seed: int, stage: Any, friction: float = 0.5) -> Evaluation:
+    return Evaluation(Proposal({"friction": friction}, seed, stage), {"angle": Response(0.0)})
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_row_is_a_fresh_seed_once(wrapped: bool) -> None:
+    table: gf.Solver = RecordedTable(REPEATED, ["friction"], ["angle"], nearest=True)
+    solver = ParametersFor(table, takes=AllBut(frozenset({"lid"}))) if wrapped else table
+    records = RecordsRead({"heap": solver}, {"heap": 1})
+    search = [read(3, "design")]
+    # Seeds 3, 4 and 5 read the first, second and third row, which hold equal values.
+    again = [read(seed, "verification") for seed in (6, 4, 7, 5)]
+    assert records.stale(search, again) == {6: {"angle"}, 7: {"angle"}}
+    elsewhere = read(8, "verification", friction=0.55)
+    assert records.stale([], [elsewhere]) == {8: {"angle"}}
+
+
+def test_the_mean_of_a_row_with_itself_is_no_fresh_seed() -> None:
+    solver = RecordedTable(REPEATED, ["friction"], ["angle"])
+    records = RecordsRead({"heap": solver}, {"heap": 2})
+    once = [read(1, "verification", friction=0.7)]
+    assert records.stale([], once) == {1: {"angle"}}
+
+
+def test_runs_that_are_made_are_all_fresh() -> None:
+    solver = PythonCallable(lambda friction, seed: {"angle": 0.0}, ["angle"])
+    records = RecordsRead({"heap": solver}, {"heap": 1})
+    assert records.stale([read(1, "design")], [read(1, "verification")]) == {}
+    assert records.missing_at({"friction": 0.5}, gf.Problem([FRICTION], [ANGLE])) == []
