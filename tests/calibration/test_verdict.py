@@ -103,10 +103,10 @@ def test_outlying_runs_that_decide_leave_it_undecided(with_all: float, without: 
     found = judged(with_all, without=without, outliers={"angle": OUTLIERS})
     assert found.status == "undecided"
     assert found.reasons == (
-        OutlyingRuns("angle", "deg", 20, (4711,), -6.0),
         OutliersDecide(with_all, without),
+        OutlyingRuns("angle", "deg", 20, (4711,), -6.0),
     )
-    outlying, decide = map(str, found.reasons)
+    decide, outlying = map(str, found.reasons)
     assert "1 outlying run of 20 (seed 4711), up to 6° below" in outlying
     assert 'statistic = "median"' in decide
 
@@ -163,7 +163,7 @@ def test_a_response_whose_scatter_makes_it_useless_is_named_with_the_runs_it_tak
     # Three per cent of 30 degrees, where half a degree is asked for: (0.9 / 0.15)² = 36.
     problem = replace(PROBLEM, targets=[replace(ANGLE, tolerance=0.15)])
     quality = {"angle": MetamodelQuality(0.9, 0.95, 0.9)}
-    useless, _ = judged(0.5, problem=problem, quality=quality).reasons
+    _, useless = judged(0.5, problem=problem, quality=quality).reasons
     assert useless == UselessScatter("angle", "deg", 0.9, 0.15, 30.0)
     assert str(useless) == messages.USELESS_SCATTER(
         target="angle", scatter="3 %", tolerance="0.5 %", runs=36
@@ -172,7 +172,7 @@ def test_a_response_whose_scatter_makes_it_useless_is_named_with_the_runs_it_tak
 
 
 def test_with_several_seeds_per_evaluation_words_count_runs() -> None:
-    useless, scatter = judge_answer(PROBLEM, answer(0.5), FRESH, 0.95, 3, {"heap": 4}).reasons
+    scatter, useless = judge_answer(PROBLEM, answer(0.5), FRESH, 0.95, 3, {"heap": 4}).reasons
     assert "about 48 more runs at the answer: one mean of 4 runs scatters by 0.8" in str(scatter)
     # A single run scatters by 1.6: 3.2 times the tolerance.
     assert "the mean of about 11 runs" in str(useless)

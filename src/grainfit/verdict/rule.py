@@ -169,6 +169,9 @@ def reasons_for(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
     judgement : Judgement
         The verdict.
     """
+    if judgement.status == "undecided":
+        # What would decide it comes first.
+        yield from _in_doubt(evidence, judgement)
     yield from _contradictions(evidence, judgement)
     yield from _not_together(evidence, judgement)
     for curve in evidence.curves:
@@ -177,8 +180,6 @@ def reasons_for(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
     for target in evidence.targets:
         if not target.curve:
             yield from _about_runs(target, judgement)
-    if judgement.status == "undecided":
-        yield from _in_doubt(evidence, judgement)
 
 
 def _contradictions(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
