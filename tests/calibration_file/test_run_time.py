@@ -6,11 +6,13 @@ import re
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.run_time import RunTime, costs_of_runs, expected_runs, run_time
+from grainfit.cli.app import app
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
@@ -142,10 +144,28 @@ def test_a_tolerance_far_below_the_scatter_is_noted(tmp_path: Path) -> None:
 
     # Meant as 1 %, and read as 1 kg/m^3.
     [note] = found("1")
-    assert "bulk_density: its tolerance, 1 kg/m^3, is 0.067 % of the value" in note
-    assert "the mean of 300 runs would be as sure" in note
+    assert "scatter by about 0.6 %, and its tolerance, 1 kg/m^3, is 0.067 % of the value" in note
+    assert "about 450 runs. About 9 of 10 such calibrations end undecided" in note
     assert 'write it as one: "1 %"' in note
-    assert found('"1 %"') == found('"0.2 %"') == []
+    assert found('"1 %"') == found('"0.4 %"') == []
+
+
+def test_run_forecasts_with_its_budget_what_check_forecasts(tmp_path: Path) -> None:
+    setup(tmp_path, ('uncertainty = "1 %"', 'uncertainty = "0.2 %"'))
+    file = tmp_path / "beads.toml"
+    checked = grainfit("check", file)
+    assert "About 8 of 10 such calibrations end undecided, with a budget of 45 runs" in checked
+    # Too few for the design: nothing is simulated.
+    started = grainfit("run", file, "--max-runs", "3", "--workdir", tmp_path / "work")
+    assert "about 55 runs. About 9 of 10" in started
+    assert "with a budget of 3 runs; a tolerance of 0.32 % takes about 26." in started
+    assert "angle_of_repose: recorded runs scatter by" in started
+
+
+def grainfit(*arguments: object) -> str:
+    """Run a command; return its output in one line."""
+    runner = CliRunner(env={"COLUMNS": "400"})
+    return " ".join(runner.invoke(app, [str(one) for one in arguments]).output.split())
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from grainfit.errors import InputError
 from grainfit.problem import Problem
 from grainfit.strategies import messages
@@ -48,6 +50,27 @@ def start_search(
             messages.BUDGET_TOO_SMALL.fault("max_runs", runs=max_runs, fewest=smallest)
         )
     return strategy.start(problem, seed, max_runs // tests - verification_runs)
+
+
+def runs_with_scatter(ratio: float, dimension: int) -> int:
+    """Return the number of runs that problems with such a scatter usually take in all.
+
+    A mean of n runs has to be known to a tolerance over 2.24 standard errors (97.5 %), and the
+    slopes take a run each (`benchmarks/scatter_forecast.py`).
+
+    Parameters
+    ----------
+    ratio : float
+        Standard deviation of single runs, in tolerances.
+    dimension : int
+        Number of free parameters.
+    """
+    return int(min(1.1 * (2.24 * ratio) ** 2 + dimension + 4, 1e6))
+
+
+def scatter_with_runs(runs: int, dimension: int) -> float:
+    """Return the scatter, in tolerances, that takes a number of runs: see `runs_with_scatter`."""
+    return math.sqrt((runs - dimension - 4) / 1.1) / 2.24
 
 
 def smallest_design(dimension: int, wanted: int | None = None) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -110,13 +111,17 @@ def _setup(file: Path, local: bool) -> CalibrationSetup:
     return setup
 
 
-def _show_apparatus(setup: CalibrationSetup, folder: Path) -> None:
-    """Print the apparatus once: before the first run of a work folder."""
+def _show_opening(setup: CalibrationSetup, folder: Path, max_runs: int | None) -> None:
+    """Print apparatus and forecast once: before the first run of a work folder."""
     from grainfit.calibration_file.apparatus import opening_lines
+    from grainfit.calibration_file.checks.context import context_of
+    from grainfit.calibration_file.checks.fine_tolerances import scatter_forecasts
     from grainfit.campaign.store.store import STORE_NAME
 
     if not (folder / STORE_NAME).exists():
-        for line in opening_lines(setup):
+        context = context_of(setup.file, setup.problem, setup.solvers)
+        forecasts = (text for _, text in scatter_forecasts(context, max_runs))
+        for line in chain(opening_lines(setup), forecasts):
             err_remarks.print(line, markup=False, highlight=False)
 
 
@@ -125,7 +130,7 @@ def _calibrate(setup: CalibrationSetup, folder: Path, **given: Any) -> Result:
     from grainfit.calibration.live_progress import LiveProgress
     from grainfit.calibration_file.fault_lines import with_lines
 
-    _show_apparatus(setup, folder)
+    _show_opening(setup, folder, given.get("max_runs"))
     on_command_line = {name for name, value in given.items() if value not in (None, ())}
     with (
         with_lines(setup.file.path, besides=on_command_line),

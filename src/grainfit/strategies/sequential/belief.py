@@ -13,6 +13,7 @@ from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import handicaps, log_time_steps
 from grainfit.problem import Problem
+from grainfit.strategies.budget import runs_with_scatter
 from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.sequential.answer_search import AnswerSearch
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
@@ -143,14 +144,10 @@ class Belief:
 
     @property
     def usual_runs(self) -> int:
-        """Number of runs that problems with such a scatter usually take in all.
-
-        A mean of n runs has to be known to a tolerance over 2.24 standard errors (97.5 %), and the
-        slopes take a run each.
-        """
+        """Number of runs that problems with such a scatter usually take in all."""
         tolerances = np.array([target.tolerance for target in self.problem.targets])
         ratio = float((self.metamodels.noise_at(self.answers.closest[0]) / tolerances).max())
-        return int(min(1.1 * (2.24 * ratio) ** 2 + self.problem.dimension + 4, 1e6))
+        return runs_with_scatter(ratio, self.problem.dimension)
 
     @cached_property
     def knowledge(self) -> ParameterKnowledge | None:
