@@ -40,6 +40,8 @@ def test_nearest_rows_of_a_table_confirm_no_answer(result: gf.Result) -> None:
     assert result.status == "undecided"
     assert result.responses["angle"].verified_values == ()
     assert result.runs.verification == 0
+    assert result.responses["angle"].verdict == "in doubt"
+    assert "robability" not in str(result)
 
 
 def test_an_answer_without_a_row_names_the_nearest(result: gf.Result) -> None:

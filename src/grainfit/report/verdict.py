@@ -86,7 +86,7 @@ def _final_verdict(context: ReportContext) -> ShownVerdict:
 def _undecided(context: ReportContext, result: Result, sure: tuple[str, ...]) -> ShownVerdict:
     """Return what is in doubt, and the reasons: they say what to do."""
     doubtful = [
-        context.response_label(name).words + _likelihood(response)
+        context.response_label(name).words + (_likelihood(response) if result.sureness else "")
         for name, response in result.responses.items()
         if response.verdict != "met"
     ]

@@ -27,7 +27,7 @@ from grainfit.result.parts import (
 from grainfit.tables import Summary, TextTable
 from grainfit.verdict import messages
 from grainfit.verdict.out_of_reach import OutOfReach
-from grainfit.verdict.reasons import KINDS, Reason
+from grainfit.verdict.reasons import KINDS, NoRecordThere, Reason
 from grainfit.verdict.rule import Status
 
 
@@ -126,8 +126,12 @@ class Result(Summary):
 
     @property
     def sureness(self) -> str:
-        """How probable it is that every target is met; "" where that is not known."""
-        if self.probability_all_met is None:
+        """How probable it is that every target is met; "" where that is not known.
+
+        Rows of a table at other parameters tell no probability.
+        """
+        read_elsewhere = any(isinstance(reason, NoRecordThere) for reason in self.reasons)
+        if self.probability_all_met is None or read_elsewhere:
             return ""
         return messages.ALL_MET(probability=plain_probability(self.probability_all_met))
 

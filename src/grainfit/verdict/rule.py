@@ -62,10 +62,12 @@ def judge(evidence: Evidence) -> Judgement:
     lacking = _lacking(evidence)
     doubted = bool(contradicted) or sum(lacking.values()) > 0 or len(evidence.no_record) > 0
     confidence = evidence.confidence
+    every = [one.name for one in evidence.targets]
+    unread = [n for miss in evidence.no_record for n in evidence.tests.get(miss.test, every)]
     return Judgement(
         _status(evidence, in_doubt=doubted),
         {
-            one.name: _verdict(one.probability, confidence, one.name in contradicted)
+            one.name: _verdict(one.probability, confidence, one.name in {*contradicted, *unread})
             for one in evidence.targets
         },
         {one.name: _verdict_on_curve(one, evidence, contradicted) for one in evidence.curves},
