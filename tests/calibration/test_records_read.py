@@ -88,3 +88,14 @@ def test_runs_that_are_made_are_all_fresh() -> None:
     records = RecordsRead({"heap": solver}, {"heap": 1})
     assert records.stale([read(1, "design")], [read(1, "verification")]) == {}
     assert records.missing_at({"friction": 0.5}, gf.Problem([FRICTION], [ANGLE])) == []
+
+
+def test_of_several_tests_only_those_with_records_can_be_stale() -> None:
+    table = RecordedTable(REPEATED, ["friction"], ["angle"])
+    made = PythonCallable(lambda friction, seed: {"angle": 0.0})
+    records = RecordsRead({"drum": made, "heap": table}, {"drum": 1, "heap": 1})
+    responses = {"drum.angle": Response(0.0), "heap.angle": Response(0.0)}
+    runs = [
+        Evaluation(Proposal({"friction": 0.7}, seed, "verification"), responses) for seed in (1, 2)
+    ]
+    assert records.stale([], runs) == {2: {"heap.angle"}}

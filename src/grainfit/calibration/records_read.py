@@ -48,7 +48,9 @@ class RecordsRead:
                 names = {(test, record.name) for record in records}
                 is_new = names.isdisjoint(read) and len(names) == len(records)
                 if not (is_new and all(record.is_at_parameters for record in records)):
-                    found.setdefault(evaluation.proposal.seed, set()).update(self._responses(test))
+                    found.setdefault(evaluation.proposal.seed, set()).update(
+                        self._responses(test, evaluation)
+                    )
                 read |= names
         return found
 
@@ -73,9 +75,10 @@ class RecordsRead:
                 if any(records):
                     yield test, [record for record in records if record]
 
-    def _responses(self, test: str) -> set[str]:
-        names = self.solvers[test].response_names or ()
-        return {response_name(test, name, len(self.solvers)) for name in names}
+    def _responses(self, test: str, evaluation: Evaluation) -> set[str]:
+        """Return the responses of a test, components of curves included."""
+        prefix = response_name(test, "", len(self.solvers))
+        return {name for name in evaluation.responses if name.startswith(prefix)}
 
 
 def _in_words(record: SourceRecord, units: Mapping[str, str]) -> str:
