@@ -23,7 +23,7 @@ from grainfit.scenes.records import (
     Travel,
 )
 from grainfit.scenes.run_output import snapshot_file
-from grainfit.scenes.scene import Stage, Velocity, Wall, time_step
+from grainfit.scenes.scene import Load, Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import Block, Cylinder, Plane
 from grainfit.testing.simulated_scenes import (
     BOX,
@@ -205,6 +205,21 @@ class StageContract(SimulatedScenes):
         assert len([*out.frames("going")]) in (2, 3)
         film = Film(out.folder / FILM)
         assert out.stages[-1].time - film.steps[-1] * scene.time_step < 0.05 + scene.time_step
+
+    def test_a_box_that_runs_empty_after_it_was_pressed_is_a_result(self, run: Run) -> None:
+        press = Load("z", -0.001, largest_speed=0.01, gain=1.0)
+        stages = [
+            Stage("fall", Elapsed(0.3), motions={"floor": press}),
+            Stage("on", Elapsed(0.02), snapshot="end"),
+        ]
+        walls = {"floor": Wall(Block((0.05, -0.02, -0.01), (0.08, 0.02, 0.0)))}
+        box = replace(BOX, low=(-0.1, -0.1, -0.05))
+        scene = scene_of(spheres([(0, 0, 0.05)]), walls, stages, DAMPED, box=box)
+
+        out = run(scene)
+
+        assert [end.particles for end in out.require_good()] == [0, 0]
+        assert len(out.snapshot("end")) == 0
 
     def test_frames_are_recorded_during_a_stage(self, run: Run) -> None:
         fall = Stage("fall", Elapsed(0.05), frames=Frames("falling", 0.01), snapshot="end")

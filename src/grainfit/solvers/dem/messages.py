@@ -43,6 +43,11 @@ RESTITUTION_REFUSED = Message(
     "{value:g} is refused by LIGGGHTS.", "Use a restitution above {limit:g}, or LAMMPS."
 )
 
+EMPTY_BOX_PRESSED = Message(
+    "All particles have left the box, and LIGGGHTS cannot press on nothing in the stage "
+    "{stage!r}. LAMMPS and YADE can."
+)
+
 # --- walls and scenes ----------------------------------------------------------------------------
 
 WALL_OF_NOTHING = Message(

@@ -39,13 +39,29 @@ class EmptyBox:
         #: Time step at which each stage begins, and the last one ends.
         self._steps = [0, *(end.step for end in self._ends)]
 
-    def can_end(self) -> bool:
-        """Return whether the stages that are left follow from the scene: none presses."""
+    @property
+    def is_known(self) -> bool:
+        """Whether the stages that have ended are known, and are not all."""
         ended = [end.name for end in self._ends]
+        names = [stage.name for stage in self._scene.stages]
+        return 0 < len(ended) < len(names) and ended == names[: len(ended)]
+
+    @property
+    def unknown_stage(self) -> str:
+        """Name of a stage that does not follow from the scene; "" where all that are left do.
+
+        How far a `Load` goes without particles is left to the solver.
+        """
         stages = self._scene.stages
-        begun = bool(ended) and ended == [stage.name for stage in stages[: len(ended)]]
-        motions = (motion for stage in stages for _, motion in stage.all_motions())
-        return begun and not any(isinstance(motion, Load) for motion in motions)
+        pressed: set[str] = set()
+        for number, stage in enumerate(stages):
+            pressed |= {name for name, one in stage.all_motions() if isinstance(one, Load)}
+            columns = stage.series.columns.values() if stage.series is not None else ()
+            travels = {one.wall for one in columns if isinstance(one, Travel)}
+            presses = any(isinstance(one, Load) for _, one in stage.all_motions())
+            if number >= len(self._ends) and (presses or travels & pressed):
+                return stage.name
+        return ""
 
     def end(self) -> None:
         """Write the snapshot of the last stage that has ended, and all files of those after it."""

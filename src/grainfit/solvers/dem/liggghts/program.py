@@ -64,8 +64,10 @@ class Liggghts(DeckSolver):
         if not any(refusal in error.reason for refusal in REFUSALS):
             return False
         box = EmptyBox(scene, deck.folder, deck.snapshot_columns)
-        if not box.can_end():
+        if not box.is_known:
             return False
+        if box.unknown_stage:
+            raise RunFailedError(messages.EMPTY_BOX_PRESSED(stage=box.unknown_stage)) from error
         box.end()
         return True
 
