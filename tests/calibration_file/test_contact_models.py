@@ -104,10 +104,12 @@ def test_a_material_that_crosses_solvers_is_named_with_the_size_of_the_effect(
 ) -> None:
     crossing = GLASS_BEADS + PACKING.format(solver="liggghts")
 
-    assert "run with lammps and liggghts. LAMMPS limits" in notes_of(tmp_path, crossing)
+    assert "run with lammps and liggghts. LAMMPS has one" in notes_of(tmp_path, crossing)
+    assert "LAMMPS limits the rolling dashpot" in notes_of(tmp_path, crossing)
     assert "0.5° (glass beads) to 2°" in notes_of(tmp_path, crossing)
     undamped = crossing.replace(DAMPED, "rolling_damping = 0\n")
-    assert "run with" not in notes_of(tmp_path, undamped)
+    assert "up to 0.5 % lower" in notes_of(tmp_path, undamped)
+    assert "dashpot" not in notes_of(tmp_path, undamped)
     without = choosing("epsd2", crossing.replace(DAMPED, ""))
     assert "run with" not in notes_of(tmp_path, without)
     one_solver = GLASS_BEADS + PACKING.format(solver="lammps")

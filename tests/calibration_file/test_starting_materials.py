@@ -46,6 +46,20 @@ def test_the_materials_are_known_by_name() -> None:
     assert starting_material_names() == MATERIALS
 
 
+@pytest.mark.parametrize("material", [None, *MATERIALS])
+def test_new_files_have_a_law_that_all_solvers_have_alike(
+    tmp_path: Path, material: str | None
+) -> None:
+    path = tmp_path / "new.toml"
+    known = None if material is None else read_starting_material(material)
+    path.write_text(starter_file(["heap"], known), encoding="utf-8")
+
+    fixed = load_calibration_file(path).fixed
+
+    damping = {name: value for name, value in fixed.items() if "rolling_damping" in name}
+    assert set(damping.values()) == {0.0}
+
+
 @pytest.mark.parametrize("test", BUILT_IN)
 @pytest.mark.parametrize("material", MATERIALS)
 def test_the_file_of_every_material_and_test_passes_the_check(

@@ -70,13 +70,13 @@ density = "7700 kg/m^3"
 sliding_friction = 0.18
 rolling_friction = { min = 0.22, max = 1.11 }           # free
 restitution = 0.79
-rolling_damping = 0.25                  # viscous rolling damping ratio
+rolling_damping = 0.0                   # without it, all solvers have the same law
 
 [particle_wall]                         # contacts between particles and walls
 sliding_friction = 0.27
 rolling_friction = 0.05                 # on smooth steel less; then beads roll on for seconds
 restitution = 0.82
-rolling_damping = 0.25
+rolling_damping = 0.0
 
 """
 

@@ -211,11 +211,9 @@ class ContactLaw:
             Names of two solvers or more.
         """
         found = [keywords.difference for keywords in self.keywords if keywords.solver in solvers]
-        if not any(found):
-            damped = [model for model in self.models if model.is_damped(material)]
-            used = (one for m in damped for one in m.keywords if one.solver in solvers)
-            found = [one.dashpot_difference for one in used]
-        return " ".join(filter(None, found))
+        damped = [model for model in self.models if model.is_damped(material)]
+        used = (one for m in damped for one in m.keywords if one.solver in solvers)
+        return " ".join(filter(None, [*found, *(one.dashpot_difference for one in used)]))
 
     def needs(self, solver: str) -> set[str]:
         """Return the names of the parameters that a solver computes these contacts with."""

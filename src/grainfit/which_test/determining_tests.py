@@ -102,8 +102,8 @@ BETTER_FIXED: Mapping[str, str] = {
     "wall.poissons_ratio": "at a handbook's value",
     "wall.youngs_modulus": "at that of the particles",
     "wall.density": "at any value: walls do not move",
-    "particle_particle.rolling_damping": "at a value of the literature",
-    "particle_wall.rolling_damping": "at a value of the literature",
+    "particle_particle.rolling_damping": "at 0, where all solvers have the same law",
+    "particle_wall.rolling_damping": "at 0, where all solvers have the same law",
 }
 
 #: Types of test that are named.

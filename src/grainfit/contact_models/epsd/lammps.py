@@ -21,6 +21,11 @@ class EpsdLammps(LammpsKeywords):
     """``rolling sds`` with the stiffness that EPSD has at the typical load of the contact."""
 
     legend = "Rolling (EPSD): stiffness N/m, damping N s/m, rolling friction."
+    difference = (
+        "LAMMPS has one rolling stiffness for all loads. Without rolling damping, bulk densities "
+        "on LIGGGHTS and YADE are up to 0.5 % lower, angles in shear 0.4° and of a draw-down 0.8° "
+        "larger, the dynamic angle of a drum on LIGGGHTS 0.6° smaller; angles of heaps agree."
+    )
 
     def clauses(self, contact: Contact) -> Mapping[str, str]:
         """Return the rolling resistance of a contact."""

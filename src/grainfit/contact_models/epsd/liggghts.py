@@ -13,7 +13,7 @@ EPSD_LIGGGHTS = LiggghtsKeywords(
     dashpot_difference=(
         "LAMMPS limits the rolling dashpot, and LIGGGHTS does not. At a rolling damping of 0.25, "
         "angles of repose of LIGGGHTS are 0.5° (glass beads) to 2° (sliding friction 0.5, rolling "
-        "friction 0.2) larger, bulk densities up to 1.1 % and mass flows 6 % smaller; without "
-        "rolling damping, and with the rolling model epsd2, they agree."
+        "friction 0.2) larger, bulk densities up to 1.1 % and mass flows 6 % smaller; "
+        "with the rolling model epsd2, they agree."
     ),
 )
