@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from scipy import special
-
 #: Half the width of a 95 % interval in standard deviations.
 NORMAL_QUANTILE = 1.96
 
@@ -23,4 +21,7 @@ def student_factor(count: int) -> float:
     >>> round(student_factor(3), 2)
     2.2
     """
-    return float(special.stdtrit(count - 1, 0.975)) / NORMAL_QUANTILE
+    # Those who need the quantile alone do not wait for SciPy.
+    from scipy.special import stdtrit
+
+    return float(stdtrit(count - 1, 0.975)) / NORMAL_QUANTILE
