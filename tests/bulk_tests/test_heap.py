@@ -129,6 +129,13 @@ class TestImpossibleTests:
     def test_a_lift_that_leaves_the_cylinder_in_the_heap(self):
         assert option_faults(lift_height=0.01) == ["lift_height"]
 
+    @pytest.mark.parametrize("height", [0.05, 0.092, 0.5])
+    def test_defaults_follow_a_strike_off_height_that_is_given(self, height):
+        heap = Heap(diameter="10 mm", strike_off_height=height)
+
+        assert heap.setup.bulk_density_top <= height
+        assert heap.setup.lift_height >= height / 4
+
     def test_a_rim_as_high_as_the_bed(self):
         assert option_faults(rim_height=0.2) == ["rim_height"]
 

@@ -9,7 +9,7 @@ from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.cards import messages
-from grainfit.contact_models.registry import in_order, material_parameter
+from grainfit.contact_models.registry import contact_law, in_order, material_parameter
 from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
@@ -61,7 +61,7 @@ def make_card(
         identity=reading.identity,
         version=reading.version,
         notices=answer.notices,
-        contact_models=_contact_models(reading),
+        contact_models=_contact_models(reading, parameters) if conditions else (),
     )
 
 
@@ -136,10 +136,14 @@ def _programs(reading: SavedCalibration) -> list[Program]:
     return list(dict.fromkeys(found))
 
 
-def _contact_models(reading: SavedCalibration) -> tuple[str, ...]:
-    """Contact models that replaced the usual ones: the same in all tests of a file."""
+def _contact_models(
+    reading: SavedCalibration, parameters: Iterable[CardParameter]
+) -> tuple[str, ...]:
+    """Contact models of the runs: chosen ones, the same in all tests of a file, and usual ones."""
     models = (record.definition.model for record in reading.records.values())
-    return tuple(dict.fromkeys(name for m in models for name in m.get("contact_models", ())))
+    chosen = dict.fromkeys(name for m in models for name in m.get("contact_models", ()))
+    values = {parameter.name: parameter.value for parameter in parameters}
+    return tuple(model.name for model in contact_law(values, chosen).models)
 
 
 def _date(reading: SavedCalibration) -> str:

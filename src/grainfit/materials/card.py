@@ -119,7 +119,7 @@ class MaterialCard:
     notices : tuple of str
         What the user should know.
     contact_models : tuple of str
-        Contact models that replaced the usual ones of their kind in the runs.
+        Contact models of the runs; empty for those of a model of the user's own.
     """
 
     name: str

@@ -206,7 +206,9 @@ class Heap(BulkTest):
         LENGTH,
         "The bulk density is measured up to this height.",
         example='"90 mm"',
-        default=Derived("9 d", lambda s: 9 * s.d),
+        default=Derived(
+            "9 d, in lower beds 6/7 of the strike-off height", lambda s: s.usual_density_top
+        ),
     )
     lift_speed: Amount | None = option(
         Quantity("m/s", above_zero=True),
@@ -219,7 +221,9 @@ class Heap(BulkTest):
         "Longest travel of the cylinder; the lift ends earlier once the cylinder is clear of a "
         "heap at rest.",
         example='"100 mm"',
-        default=Derived("10 d", lambda s: 10 * s.d),
+        default=Derived(
+            "10 d, at least half of the strike-off height", lambda s: s.usual_lift_height
+        ),
     )
     plate_sliding_friction: Amount | None = friction_option(
         "Sliding", "plate", "plate.", "0.5", starter=_STARTER, recorded="apart"

@@ -47,6 +47,17 @@ class HeapSetup(Setup):
         return particles_to_fill(self.sizes, self.cylinder_radius, self.strike_off_height)
 
     @property
+    def usual_density_top(self) -> float:
+        """Default of the height up to which the bulk density is measured, m."""
+        usual = 9 * self.d
+        return usual if usual <= self.strike_off_height else 6 / 7 * self.strike_off_height
+
+    @property
+    def usual_lift_height(self) -> float:
+        """Default of the longest travel of the cylinder, m."""
+        return max(10 * self.d, self.strike_off_height / 2)
+
+    @property
     def usual_lift_speed(self) -> float:
         """Default of the speed of the cylinder, m/s: laboratories lift it beside real particles."""
         return 0.05 * _froude_speed(self.d, self.gravity)
