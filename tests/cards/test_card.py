@@ -529,3 +529,10 @@ def test_a_card_goes_where_it_is_told_to_or_that_is_said(tmp_path: Path) -> None
     write_card(tmp_path / "link", "Körnung")
     assert (tmp_path / "card").read_text(encoding="utf-8") == "Körnung"
     assert (tmp_path / "link").is_symlink()
+
+
+@pytest.mark.parametrize("to", ["lammps", "json"])
+def test_a_card_says_by_how_much_soft_particles_raise_the_density(beads: Path, to: str) -> None:
+    text = " ".join(render(material_card(beads), to).replace("#", " ").split())
+
+    assert "% above that of stiff particles" in text

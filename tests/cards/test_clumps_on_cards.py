@@ -149,6 +149,8 @@ print "FOUND ${number}"
 def deck_of_card(text: str) -> str:
     """Return the first lines of a card for LIGGGHTS, with box, templates and insertion added."""
     indented = [line[6:] for line in text.splitlines() if line.startswith("#     ")]
+    begin = next(n for n, line in enumerate(indented) if line.startswith("atom_modify"))
+    indented = indented[begin:]
     end, first = (
         next(n for n, line in enumerate(indented) if line.startswith(start))
         for start in ("timestep", "fix clump1")

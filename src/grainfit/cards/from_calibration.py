@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 
+from grainfit.analysis.soft_particles import stiffness_notes
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
 from grainfit.bulk_tests.registry import recreate_test
@@ -17,6 +18,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.result import ParameterInterval, ResponseResult
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
+from grainfit.work_folder.solvers_of_runs import bulk_tests_of
 
 
 def make_card(
@@ -60,7 +62,7 @@ def make_card(
         calibration_file=reading.source,
         identity=reading.identity,
         version=reading.version,
-        notices=answer.notices,
+        notices=(*answer.notices, *_stiffness_notes(reading, answer.parameters)),
         contact_models=_contact_models(reading, parameters) if conditions else (),
     )
 
@@ -134,6 +136,10 @@ def _programs(reading: SavedCalibration) -> list[Program]:
     models = [record.definition.model for record in reading.records.values()]
     found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in models]
     return list(dict.fromkeys(found))
+
+
+def _stiffness_notes(reading: SavedCalibration, found: Mapping[str, float]) -> tuple[str, ...]:
+    return stiffness_notes(reading.problem, bulk_tests_of(reading), reading.fixed, found)
 
 
 def _contact_models(

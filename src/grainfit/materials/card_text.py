@@ -10,7 +10,7 @@ from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 
 _WIDTH = 96
 #: Longer texts are cut: decks have limits on their lines.
-_LONGEST = 300
+_LONGEST = 600
 
 
 def header(card: MaterialCard) -> str:

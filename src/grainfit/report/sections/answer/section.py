@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from typing import Any
 
 from grainfit.analysis.soft_particles import stiffness_notes
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.registry import recreate_test
-from grainfit.errors import InputError
 from grainfit.formatting import (
     duration,
     number,
@@ -24,6 +21,7 @@ from grainfit.report.sections.answer.next_step import next_step
 from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result, RunCounts
+from grainfit.work_folder.solvers_of_runs import bulk_tests_of
 
 
 def answer(context: ReportContext) -> Section:
@@ -37,7 +35,7 @@ def answer(context: ReportContext) -> Section:
     responses += [
         curve_row(curve, curves.get(curve.name)) for curve in context.reading.problem.curves
     ]
-    tests = _bulk_tests(context)
+    tests = bulk_tests_of(context.reading)
     html = fill_template(
         "answer/page",
         verdict=shown_verdict(context),
@@ -130,13 +128,3 @@ def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[
     said += stiffness_notes(reading.problem, tests, reading.fixed, context.answer or None)
     shown = shown_verdict(context).details
     yield from (plain(words) for words in dict.fromkeys(said) if words not in shown)
-
-
-def _bulk_tests(context: ReportContext) -> dict[str, BulkTest]:
-    """Return the bulk tests of the runs, by name of the test, as far as they are known."""
-    tests = {}
-    for record in context.reading.records.values():
-        if record.test not in tests:
-            with suppress(InputError):
-                tests[record.test] = recreate_test(record.definition)
-    return {name: test for name, test in tests.items() if test is not None}
