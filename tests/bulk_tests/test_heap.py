@@ -136,6 +136,11 @@ class TestImpossibleTests:
         assert heap.setup.bulk_density_top <= height
         assert heap.setup.lift_height >= height / 4
 
+    def test_a_default_that_was_valid_before_stays_so_that_runs_keep_their_identity(self):
+        setup = Heap(diameter="10 mm", strike_off_height=0.3).setup
+
+        assert (setup.lift_height, setup.bulk_density_top) == pytest.approx((0.1, 0.09))
+
     def test_a_rim_as_high_as_the_bed(self):
         assert option_faults(rim_height=0.2) == ["rim_height"]
 

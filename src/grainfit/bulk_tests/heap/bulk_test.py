@@ -222,7 +222,7 @@ class Heap(BulkTest):
         "heap at rest.",
         example='"100 mm"',
         default=Derived(
-            "10 d, at least half of the strike-off height", lambda s: s.usual_lift_height
+            "10 d, in beds above 40 d half of the strike-off height", lambda s: s.usual_lift_height
         ),
     )
     plate_sliding_friction: Amount | None = friction_option(

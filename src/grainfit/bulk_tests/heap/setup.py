@@ -55,7 +55,8 @@ class HeapSetup(Setup):
     @property
     def usual_lift_height(self) -> float:
         """Default of the longest travel of the cylinder, m."""
-        return max(10 * self.d, self.strike_off_height / 2)
+        usual = 10 * self.d
+        return usual if usual >= self.strike_off_height / 4 else self.strike_off_height / 2
 
     @property
     def usual_lift_speed(self) -> float:
