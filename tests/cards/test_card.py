@@ -160,7 +160,7 @@ def test_the_keys_of_the_json_card_are_those_of_the_documentation(card: Material
         return {key for held in value for key in keys(held)} if isinstance(value, list) else set()
 
     assert keys(data) == written
-    assert data["format_version"] == 2
+    assert data["format_version"] == 3
     values = {parameter["name"]: parameter["value"] for parameter in data["parameters"]}
     assert values == card.values
 
@@ -536,3 +536,11 @@ def test_a_card_says_by_how_much_soft_particles_raise_the_density(beads: Path, t
     text = " ".join(render(material_card(beads), to).replace("#", " ").split())
 
     assert "% above that of stiff particles" in text
+
+
+def test_a_card_names_the_apparatus(beads: Path) -> None:
+    text = " ".join(render(material_card(beads), "liggghts").replace("#", " ").split())
+
+    assert "Apparatus of lammps, assumed: " in text
+    assert "cylinder radius 60 mm" in text
+    assert json.loads(render(material_card(beads), "json"))["apparatus"]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 
 from grainfit.analysis.soft_particles import stiffness_notes
+from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
 from grainfit.bulk_tests.registry import recreate_test
@@ -64,6 +65,7 @@ def make_card(
         version=reading.version,
         notices=(*answer.notices, *_stiffness_notes(reading, answer.parameters)),
         contact_models=_contact_models(reading, parameters) if conditions else (),
+        apparatus=tuple(_apparatus(reading, parameters)),
     )
 
 
@@ -136,6 +138,18 @@ def _programs(reading: SavedCalibration) -> list[Program]:
     models = [record.definition.model for record in reading.records.values()]
     found = [Program(str(d.get("solver", "")), str(d.get("version", ""))) for d in models]
     return list(dict.fromkeys(found))
+
+
+def _apparatus(reading: SavedCalibration, parameters: Iterable[CardParameter]) -> Iterator[str]:
+    """Yield the apparatus of every bulk test, as its runs record it."""
+    values = {parameter.name: parameter.value for parameter in parameters}
+    walls = {
+        record.test: record.definition.model.get("walls", {}) for record in reading.records.values()
+    }
+    for name, test in bulk_tests_of(reading).items():
+        yield from apparatus_lines(
+            name or "the test", apparatus_of(test, None, values, walls[name])
+        )
 
 
 def _stiffness_notes(reading: SavedCalibration, found: Mapping[str, float]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.card_parts import simulated_card
 
 #: Raised when a key gets another meaning or is removed; keys may be added.
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 #: Keys that are not the names of the fields.
 _KEYS = {"interval": "interval_95"}
 
@@ -47,6 +47,7 @@ def render_json(card: MaterialCard) -> str:
             "date": card.date,
             "grainfit_version": card.version,
         },
+        "apparatus": card.apparatus,
         "notices": card.notices,
     }
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

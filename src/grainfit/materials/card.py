@@ -120,6 +120,8 @@ class MaterialCard:
         What the user should know.
     contact_models : tuple of str
         Contact models of the runs; empty for those of a model of the user's own.
+    apparatus : tuple of str
+        Apparatus of every bulk test, in a laboratory's words: what was given, and what is assumed.
     """
 
     name: str
@@ -140,6 +142,7 @@ class MaterialCard:
     version: str
     notices: tuple[str, ...]
     contact_models: tuple[str, ...] = ()
+    apparatus: tuple[str, ...] = ()
 
     @property
     def calibrated(self) -> bool:

@@ -22,6 +22,7 @@ def header(card: MaterialCard) -> str:
     if card.sizes is not None:
         lines.append(f"Particle diameters: {card.sizes.words}")
     lines += [*_responses(card), *_coarse_graining(card), *_time_step(card)]
+    lines += ["", *card.apparatus] if card.apparatus else []
     lines += ["", *_provenance(card)]
     if card.notices:
         lines += ["", "Notices:", *(f"  {notice}" for notice in card.notices)]
