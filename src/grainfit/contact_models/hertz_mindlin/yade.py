@@ -17,8 +17,8 @@ class HertzMindlinYade(YadeKeywords):
 
     difference = (
         "YADE keeps the tangential force while a contact unloads: steep impacts, which stick (5° "
-        "from the normal), rebound with up to 11 % less tangential speed, and contacts that stick lose more "
-        "energy."
+        "from the normal), rebound with up to 11 % less tangential speed, and contacts that stick "
+        "lose more energy."
     )
 
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (names only)
