@@ -37,7 +37,7 @@ PROBLEM = gf.Problem(
 )
 BUDGET = 9
 #: A test that has not come this far has failed, s.
-PATIENCE = 60.0
+PATIENCE = 600.0
 
 
 @pytest.fixture
