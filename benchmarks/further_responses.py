@@ -50,12 +50,7 @@ def record(kept: Path, heaps: int) -> list[dict[str, object]]:
     design = maximin_latin_hypercube(heaps, len(PARAMETERS), 1)
     with kept.open("a") as file:
         for seed in range(len(found) + 1, heaps + 1):
-            values = {
-                parameter.name: float(
-                    parameter.minimum + u * (parameter.maximum - parameter.minimum)
-                )
-                for parameter, u in zip(PARAMETERS, design[seed - 1], strict=True)
-            }
+            values = _at(design[seed - 1])
             found.append({"parameters": values, "responses": heap(values, seed)})
             file.write(json.dumps(found[-1]) + "\n")
             file.flush()
@@ -102,10 +97,7 @@ class Emulator:
 
 def _at(unit: Array) -> dict[str, float]:
     """Return parameters by their place in the intervals."""
-    return {
-        p.name: p.minimum + u * (p.maximum - p.minimum)
-        for p, u in zip(PARAMETERS, unit.tolist(), strict=True)
-    }
+    return {p.name: p.from_unit(u) for p, u in zip(PARAMETERS, unit.tolist(), strict=True)}
 
 
 def _terms(points: Array) -> Array:

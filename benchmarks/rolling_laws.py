@@ -4,7 +4,7 @@ Finished runs are kept in the file ``--kept`` and not repeated, so that the comm
 and started again.
 
     python benchmarks/rolling_laws.py --kept benchmarks/data/rolling_laws.jsonl [--seeds 20]
-        [--materials rough beads] [--solvers lammps liggghts yade] [--processes 2] [--table]
+        [--materials rough beads] [--solvers lammps liggghts yade] [--table]
 
 The laws are EPSD with a rolling damping of 0.25, EPSD without, and EPSD2. Prints the angle of
 repose with its scatter on each solver, the time from the end of the filling to rest, how far the
@@ -14,16 +14,13 @@ angle creeps in two further seconds, and the time steps.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import shutil
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 os.environ["OMP_NUM_THREADS"] = "1"
 
@@ -38,6 +35,7 @@ from grainfit.scenes.scene import Stage
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_PLATE
+from kept_runs import measure, read
 from solver_agreement import MATERIALS
 
 #: Rolling damping and contact models of each law.
@@ -48,20 +46,27 @@ LAWS: Mapping[str, tuple[float | None, tuple[str, ...]]] = {
 }
 DAMPING = ("particle_particle.rolling_damping", "particle_wall.rolling_damping")
 CREEP = 2.0
-Job = tuple[str, str, str, int]
 Record = dict[str, Any]
 
 
-def run(material: str, law: str, solver: str, seed: int) -> Record:
+class Run(NamedTuple):
+    """One heap."""
+
+    material: str
+    law: str
+    solver: str
+    seed: int
+
+
+def simulate(run: Run) -> Record:
     """Simulate a heap once, and two seconds more."""
-    damping, models = LAWS[law]
-    values = {n: v for n, v in MATERIALS[material].items() if n not in DAMPING}
+    damping, models = LAWS[run.law]
+    values = {n: v for n, v in MATERIALS[run.material].items() if n not in DAMPING}
     values |= {} if damping is None else dict.fromkeys(DAMPING, damping)
-    record: Record = {"material": material, "law": law, "solver": solver, "seed": seed}
     try:
         test = Heap(diameter=0.01, **ROUGH_PLATE)
-        program = DEM_PROGRAMS[solver](test, values, contact_models=models)
-        scene = program._scene(program.run_parameters({}), seed)
+        program = DEM_PROGRAMS[run.solver](test, values, contact_models=models)
+        scene = program._scene(program.run_parameters({}), run.seed)
         creep = Stage("creep", Elapsed(CREEP), snapshot="later")
         longer = replace(scene, stages=(*scene.stages, creep))
         with tempfile.TemporaryDirectory() as folder:
@@ -72,8 +77,8 @@ def run(material: str, law: str, solver: str, seed: int) -> Record:
             shutil.copy(out.folder / snapshot_file("later"), out.folder / snapshot_file("heap"))
             later = _measured(test, out)
     except GrainfitError as error:
-        return record | {"why": str(error)}
-    return record | {
+        return {"why": str(error)}
+    return {
         "angle": at_rest["angle_of_repose"].value,
         "density": at_rest["bulk_density"].value,
         "crept": later["angle_of_repose"].value - at_rest["angle_of_repose"].value,
@@ -90,25 +95,6 @@ def _forget(stages: Path, name: str) -> None:
 def _measured(test: Heap, out: RunOutput) -> Mapping[str, Response]:
     """Measure the heap in the snapshot that is there now."""
     return scalars(test.measure(RunOutput(out.folder, 1, ["lift"])))
-
-
-def measure(jobs: Sequence[Job], kept: Path, processes: int) -> list[Record]:
-    """Return the records of all runs; add new ones to the file as they end."""
-    records = _read(kept)
-    known = {(r["material"], r["law"], r["solver"], r["seed"]) for r in records}
-    missing = [job for job in jobs if job not in known]
-    with ProcessPoolExecutor(processes, max_tasks_per_child=1) as pool, kept.open("a") as file:
-        pending = [pool.submit(run, *job) for job in missing]
-        for done, future in enumerate(as_completed(pending), 1):
-            records.append(future.result())
-            file.write(json.dumps(records[-1]) + "\n")
-            file.flush()
-            print(f"{done} of {len(missing)}", file=sys.stderr)
-    return records
-
-
-def _read(kept: Path) -> list[Record]:
-    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 def table(records: Sequence[Record]) -> str:
@@ -147,20 +133,18 @@ def main() -> None:
     parser.add_argument(
         "--solvers", nargs="+", choices=DEM_PROGRAMS, default=["lammps", "liggghts"]
     )
-    parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--table", action="store_true", help="only print what is known")
     options = parser.parse_args()
-    if options.table:
-        print(table(_read(options.kept)))
-        return
-    jobs = [
-        (material, law, solver, seed)
+    runs = [
+        Run(material, law, solver, seed)
         for seed in range(1, options.seeds + 1)
         for material in options.materials
         for law in options.laws
         for solver in options.solvers
     ]
-    print(table(measure(jobs, options.kept, options.processes)))
+    if not options.table:
+        measure(runs, options.kept, simulate)
+    print(table(list(read(options.kept, Run).values())))
 
 
 if __name__ == "__main__":

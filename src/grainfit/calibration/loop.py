@@ -240,9 +240,8 @@ class CalibrationLoop:
 
     def _stale(self, evaluations: Sequence[Evaluation]) -> Mapping[int, set[str]]:
         """Return what the runs at answers have read again, see `RecordsRead`."""
-        is_fresh = [one.proposal.stage == "verification" for one in evaluations]
-        search = [one for one, fresh in zip(evaluations, is_fresh, strict=True) if not fresh]
-        verification = [one for one, fresh in zip(evaluations, is_fresh, strict=True) if fresh]
+        search = [one for one in evaluations if one.proposal.stage != "verification"]
+        verification = [one for one in evaluations if one.proposal.stage == "verification"]
         return self._records.stale([*self._known, *search], verification)
 
     def _is_sure(self, outcome: JudgedAnswer) -> bool:

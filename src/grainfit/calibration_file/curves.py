@@ -97,7 +97,7 @@ class CurveTable(Kind):
             "coordinate_unit": self.coordinate_unit or values.get("coordinate_unit", ""),
             "coordinate": self.coordinate or tables[0].coordinate,
         }
-        known |= {key: _error(*values[key]) for key in ("tolerance",) if key in values}
+        known |= _given(values, "tolerance")
         try:
             return _repeated(values, tables, known, place) or self._single(
                 values, tables[0], known, place
@@ -330,9 +330,8 @@ def _repeated(
     """Return the curve of several tables; None where there is one."""
     if MEASUREMENTS not in values:
         return None
-    systematic = {key: _error(*values[key]) for key in ("systematic",) if key in values}
     curves = [(points.coordinates, points.values) for points in tables]
-    return CurveTarget.of_measurements(place.key, curves, **systematic, **known)
+    return CurveTarget.of_measurements(place.key, curves, **_given(values, "systematic"), **known)
 
 
 def _own_unit(value: dict[str, Any], key: str, of_column: str) -> str | None:
@@ -407,7 +406,7 @@ def _errors(values: Values, points: Points, unit: str, place: Place) -> dict[str
             if matrix is None or not values.keys().isdisjoint(_ERRORS)
             else {"covariance": matrix}
         )
-    found = {key: _error(*values[key]) for key in _ERRORS if key in values}
+    found = _given(values, *_ERRORS)
     if points.standard_errors:
         return {**found, "uncertainty": points.standard_errors}
     if "uncertainty" not in values:
@@ -422,6 +421,11 @@ def _errors(values: Values, points: Points, unit: str, place: Place) -> dict[str
         )
         return None
     return found
+
+
+def _given(values: Values, *keys: str) -> dict[str, float | str]:
+    """Return those deviations that are given, as the target takes them."""
+    return {key: _error(*values[key]) for key in keys if key in values}
 
 
 def _error(number: float, is_share: bool) -> float | str:

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 
 from grainfit.analysis.soft_particles import stiffness_notes
 from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of
-from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION
+from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.cards import messages
@@ -46,6 +46,8 @@ def make_card(
     sizes = _sizes(reading, conditions, ratio)
     rayleigh = _rayleigh_time_step(parameters, sizes)
     fraction = min((found.time_step_fraction for found in conditions), default=TIME_STEP_FRACTION)
+    tests = bulk_tests_of(reading)
+    stiff = stiffness_notes(reading.problem, tests, reading.fixed, answer.parameters)
     return MaterialCard(
         name=reading.name,
         status=status,
@@ -63,9 +65,9 @@ def make_card(
         calibration_file=reading.source,
         identity=reading.identity,
         version=reading.version,
-        notices=(*answer.notices, *_stiffness_notes(reading, answer.parameters)),
+        notices=(*answer.notices, *stiff),
         contact_models=_contact_models(reading, parameters) if conditions else (),
-        apparatus=tuple(_apparatus(reading, parameters)),
+        apparatus=tuple(_apparatus(reading, tests, parameters)),
     )
 
 
@@ -140,20 +142,18 @@ def _programs(reading: SavedCalibration) -> list[Program]:
     return list(dict.fromkeys(found))
 
 
-def _apparatus(reading: SavedCalibration, parameters: Iterable[CardParameter]) -> Iterator[str]:
+def _apparatus(
+    reading: SavedCalibration, tests: Mapping[str, BulkTest], parameters: Iterable[CardParameter]
+) -> Iterator[str]:
     """Yield the apparatus of every bulk test, as its runs record it."""
     values = {parameter.name: parameter.value for parameter in parameters}
     walls = {
         record.test: record.definition.model.get("walls", {}) for record in reading.records.values()
     }
-    for name, test in bulk_tests_of(reading).items():
+    for name, test in tests.items():
         yield from apparatus_lines(
             name or "the test", apparatus_of(test, None, values, walls[name])
         )
-
-
-def _stiffness_notes(reading: SavedCalibration, found: Mapping[str, float]) -> tuple[str, ...]:
-    return stiffness_notes(reading.problem, bulk_tests_of(reading), reading.fixed, found)
 
 
 def _contact_models(
