@@ -91,8 +91,19 @@ def test_check_preview_and_report_name_it(tmp_path: Path) -> None:
 
 
 def test_a_heap_that_was_never_described_is_said_so(tmp_path: Path) -> None:
-    [line] = opening_lines(gf.load(heap_file(tmp_path, "")))
+    path = heap_file(tmp_path, "")
+    # The starting file gives the plate.
+    given, rest = opening_lines(gf.load(path))
+    assert messages.GIVEN.is_in(given)
+    assert "plate rolling friction as between particles" in given
+    assert messages.REST_NOT_DESCRIBED.is_in(rest)
+    assert "plate radius" in rest
+    assert "friction" not in rest
+    without_plate = [x for x in path.read_text().splitlines() if not x.startswith("plate_")]
+    path.write_text("\n".join(without_plate), encoding="utf-8")
+    [line] = opening_lines(gf.load(path))
     assert messages.NEVER_DESCRIBED.is_in(line)
     described = [*opening_lines(gf.load(heap_file(tmp_path)))]
-    assert not any(messages.NEVER_DESCRIBED.is_in(line) for line in described)
+    faults = (messages.NEVER_DESCRIBED, messages.REST_NOT_DESCRIBED)
+    assert not any(message.is_in(line) for line in described for message in faults)
     assert len(described) == 2

@@ -18,3 +18,7 @@ NEVER_DESCRIBED = Message(
     "The apparatus of {test} is not described, so all of it is assumed: {values}.",
     "Describe that of the laboratory in [[test]], so that the same test is simulated.",
 )
+REST_NOT_DESCRIBED = Message(
+    "Nothing else of the apparatus of {test} is described, so the rest is assumed: {values}.",
+    "Describe that of the laboratory in [[test]], so that the same test is simulated.",
+)

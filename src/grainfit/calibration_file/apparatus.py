@@ -27,9 +27,13 @@ def simulated_apparatus(setup: CalibrationSetup) -> dict[str, tuple[ApparatusVal
 
 
 def opening_lines(setup: CalibrationSetup) -> Iterator[str]:
-    """Yield the apparatus before the first run; of a test that is not described, that it is not."""
+    """Yield the apparatus before the first run, and that its geometry is not described."""
     for name, values in simulated_apparatus(setup).items():
-        if any(value.origin == "given" and "friction" not in value.name for value in values):
-            yield from apparatus_lines(name, values)
+        given = [value for value in values if value.origin == "given"]
+        assumed = [value for value in values if value.origin == "assumed"]
+        yield from apparatus_lines(name, given)
+        if any("friction" not in value.name for value in given):
+            yield from apparatus_lines(name, assumed)
         else:
-            yield messages.NEVER_DESCRIBED(test=name, values=", ".join(map(str, values)))
+            message = messages.REST_NOT_DESCRIBED if given else messages.NEVER_DESCRIBED
+            yield message(test=name, values=", ".join(map(str, assumed)))
