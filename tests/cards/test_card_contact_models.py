@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from dataclasses import replace
 
@@ -9,8 +11,11 @@ import pytest
 
 from grainfit.cards import render
 from grainfit.contact_models import messages as contact_messages
+from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
 from grainfit.materials.card import MaterialCard, Program
+from grainfit.materials.time_step import RAYLEIGH_EQUATIONS
+from grainfit.testing.equations import evaluate
 
 
 def with_damping(card: MaterialCard, damping: float) -> MaterialCard:
@@ -33,8 +38,8 @@ def undamped_card(card: MaterialCard) -> MaterialCard:
     ("to", "words"),
     [
         ("liggghts", "hertz tangential history rolling_friction epsd2"),
-        ("lammps", "# EPSD2 of LIGGGHTS:  k = k_t"),
-        ("yade", "the rolling friction EPSD2 of LIGGGHTS"),
+        ("lammps", "#   rolling spring: k_r = k_t R*^2; constant"),
+        ("yade", "#   rolling spring: k_r = k_t R*^2; constant"),
     ],
 )
 def test_a_card_has_the_contact_model_of_the_runs(
@@ -55,6 +60,76 @@ def test_the_rolling_spring_of_a_card_has_no_damping(undamped_card: MaterialCard
 def test_programs_read_the_contact_model(undamped_card: MaterialCard, card: MaterialCard) -> None:
     assert json.loads(render(undamped_card, "json"))["contact_models"] == ["epsd2"]
     assert json.loads(render(card, "json"))["contact_models"] == ["hertz_mindlin", "epsd"]
+
+
+def solver_text(card: MaterialCard, to: str) -> str:
+    """Return the comments of a card in one line."""
+    return " ".join(render(card, to).replace("#", " ").split())
+
+
+@pytest.mark.parametrize("to", ["lammps", "liggghts", "yade"])
+def test_a_card_has_the_equation_of_every_term_as_its_solver_computes_it(
+    card: MaterialCard, to: str
+) -> None:
+    law = contact_law(card.values, card.contact_models)
+    text = solver_text(card, to)
+
+    for equation in law.equations(to):
+        assert equation.words in text
+    for convention in law.conventions:
+        assert f"{convention.symbol} ({convention.key}): {convention.meaning}" in text
+    other = {e.formula for e in law.equations()} - {e.formula for e in law.equations(to)}
+    assert bool(other) == (to != "liggghts"), "LIGGGHTS is the reference"
+    assert not any(formula in text for formula in other)
+
+
+def test_rolling_friction_is_said_to_be_a_multiple_of_the_reduced_radius(
+    card: MaterialCard,
+) -> None:
+    text = solver_text(card, "liggghts")
+    assert "rolling limit: k_r theta <= mu_r R* F_n" in text
+    assert "mu_r (rolling_friction): largest rolling torque over F_n R*, with the reduced" in text
+
+
+@pytest.mark.parametrize("to", ["lammps", "liggghts", "yade"])
+def test_the_time_step_of_a_card_is_that_of_the_equation_beside_it(
+    card: MaterialCard, to: str
+) -> None:
+    text = solver_text(card, to)
+    formula = RAYLEIGH_EQUATIONS[-1].formula
+    assert formula in text
+    radius = float(text.partition("here, R = ")[2].split()[0])
+    values = {"E": "youngs_modulus", "nu": "poissons_ratio", "rho": "density"}
+    known = {symbol: card.values[f"particle.{key}"] for symbol, key in values.items()}
+    found = evaluate(RAYLEIGH_EQUATIONS, known | {"R": radius})["Rayleigh time step"]
+    assert found == pytest.approx(card.rayleigh_time_step)
+    assert "10 % of the Rayleigh time step" in text
+    assert card.recommended_time_step == pytest.approx(0.1 * found)
+
+
+def test_programs_read_the_equations_and_what_solvers_compute_in_another_way(
+    card: MaterialCard,
+) -> None:
+    law = contact_law(card.values, card.contact_models)
+    own = law.differing_terms
+    expected = [*((None, equation) for equation in law.equations()), *own]
+
+    data = json.loads(render(card, "json"))
+    found = data["contact_law"]
+    assert found["equations"] == [{"solver": s, **vars(e)} for s, e in expected]
+    assert {one["parameter"] for one in found["conventions"]} >= {"rolling_friction", "restitution"}
+    assert data["time_step"]["equations"] == [vars(one) for one in RAYLEIGH_EQUATIONS]
+    rows = list(csv.DictReader(io.StringIO(render(card, "csv"), newline="")))
+    equations = [(row["origin"], row["formula"]) for row in rows if row["kind"] == "equation"]
+    assert equations == [(s or "contact law", e.formula) for s, e in expected]
+    conventions = {row["name"]: row["meaning"] for row in rows if row["kind"] == "convention"}
+    assert "reduced radius" in conventions["rolling_friction"]
+
+
+@pytest.mark.parametrize("to", ["json", "csv"])
+def test_a_card_of_an_own_model_has_no_contact_law(card: MaterialCard, to: str) -> None:
+    text = render(replace(card, contact_models=()), to)
+    assert "rolling limit" not in text
 
 
 def test_a_card_with_damping_that_its_model_does_not_have_is_refused(card: MaterialCard) -> None:

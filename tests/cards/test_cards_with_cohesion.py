@@ -163,7 +163,7 @@ def coarse(card: MaterialCard) -> MaterialCard:
 @pytest.mark.parametrize(
     ("to", "value", "in_contact"),
     [
-        ("lammps", r"particle_particle_surface_energy +string (\S+) (.*)", r"dmt(?: (\S+)){4}"),
+        ("lammps", r"particle_particle_surface_energy +string (\S+) (.*)", r'"dmt(?: (\S+)){4}'),
         ("yade", r"'particle_particle.surface_energy': (\S+), (.*)", r"gamma=(\S+),"),
     ],
 )

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.cli.app import app
+from tools import contact_law_page
 from tools.sensitivity_table import PAGE, updated
 
 DOCS = ROOT / "docs"
@@ -101,6 +102,11 @@ def test_every_decision_has_context_decision_and_consequence_in_six_lines() -> N
 def test_the_table_of_sensitivities_is_up_to_date() -> None:
     page = PAGE.read_text(encoding="utf-8")
     assert updated(page) == page, "run: python tools/sensitivity_table.py"
+
+
+def test_the_equations_of_the_contact_law_are_those_of_the_contact_models() -> None:
+    page = contact_law_page.PAGE.read_text(encoding="utf-8")
+    assert contact_law_page.updated(page) == page, "run: python tools/contact_law_page.py"
 
 
 def test_the_messages_that_are_explained_are_those_of_the_program(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import io
 from collections.abc import Iterator
 from typing import Any
 
+from grainfit.contact_models.registry import contact_law, with_defaults
 from grainfit.formatting import plain, spreadsheet_text
 from grainfit.materials.card import MaterialCard
 from grainfit.solvers.dem.card_parts import simulated_card
@@ -28,12 +29,17 @@ COLUMNS = (
     "determination",
     "simulated_value",
     "coarse_graining",
+    "formula",
+    "meaning",
 )
 Cell = str | float | bool | None
 
 
 def render_csv(card: MaterialCard) -> str:
-    """Return a line for each parameter and each response; each line has the status."""
+    """Return a line for each parameter, response, equation of the contact law, and convention.
+
+    Each line has the status.
+    """
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -71,6 +77,21 @@ def _lines(card: MaterialCard) -> Iterator[dict[str, Any]]:
                 "met": response.verdict == "met",
             }
         )
+    yield from (common | line for line in _law_lines(card))
+
+
+def _law_lines(card: MaterialCard) -> Iterator[dict[str, Any]]:
+    """Yield the equations of the contact models and their conventions; none of own models."""
+    if not card.contact_models:
+        return
+    law = contact_law(with_defaults(card.values), card.contact_models)
+    equations = [("contact law", equation) for equation in law.equations()]
+    for solver, found in [*equations, *law.differing_terms]:
+        line = {"kind": "equation", "name": found.term, "origin": solver}
+        yield line | {"formula": found.formula, "meaning": found.remark}
+    for convention in law.conventions:
+        line = {"kind": "convention", "name": convention.key}
+        yield line | {"symbol": convention.symbol, "meaning": convention.meaning}
 
 
 def _as_text(cell: Cell) -> str:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from grainfit.contact_models.registry import contact_law, with_defaults
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.materials.time_step import RAYLEIGH_EQUATIONS
 from grainfit.solvers.dem.card_parts import simulated_card
 
 #: Raised when a key gets another meaning or is removed; keys may be added.
@@ -33,8 +35,10 @@ def render_json(card: MaterialCard) -> str:
             "rayleigh": card.rayleigh_time_step,
             "recommended": card.recommended_time_step,
             "fraction": card.time_step_fraction,
+            "equations": [vars(equation) for equation in RAYLEIGH_EQUATIONS],
         },
         "contact_models": card.contact_models,
+        "contact_law": _contact_law(card),
         "particle_sizes": _sizes(card.sizes),
         "particle_shape": _shape(card),
         "gravity": card.gravity,
@@ -53,6 +57,21 @@ def render_json(card: MaterialCard) -> str:
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     # Half a character, as in a file name that is not valid Unicode, becomes JSON's \udcff.
     return text.encode("utf-8", "backslashreplace").decode()
+
+
+def _contact_law(card: MaterialCard) -> dict[str, Any] | None:
+    """Return the equations and conventions of the contact models; None of the user's own model."""
+    if not card.contact_models:
+        return None
+    law = contact_law(with_defaults(card.values), card.contact_models)
+    found = [*((None, equation) for equation in law.equations()), *law.differing_terms]
+    return {
+        "equations": [{"solver": solver, **vars(equation)} for solver, equation in found],
+        "conventions": [
+            {"parameter": one.key, "symbol": one.symbol, "meaning": one.meaning}
+            for one in law.conventions
+        ],
+    }
 
 
 def _sizes(sizes: ParticleSizes | None) -> dict[str, Any] | None:

@@ -14,7 +14,9 @@ A new contact model is a folder of `grainfit.contact_models` and a line of
 2. it writes its keywords for every solver that has it. Where one keyword of a solver stands for
    two models (as in LAMMPS for adhesion and the normal force), the later kind replaces the keyword
    of the earlier one;
-3. its tests inherit `grainfit.testing.contact_model_contract.ContactModelContract`.
+3. it has an equation for each of its terms and the convention of each parameter, and each solver
+   the equations of the terms that it computes in another way: cards and documentation show them;
+4. its tests inherit `grainfit.testing.contact_model_contract.ContactModelContract`.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, get_args
 
 from grainfit.contact_models.contact import Contact
+from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.walls import same_on_walls
 
@@ -49,6 +52,8 @@ class SolverKeywords:
     solver: ClassVar[str]
     #: Parameters of the model that the solver has no place for, by dotted name.
     unused: tuple[str, ...] = ()
+    #: Terms that the solver computes in another way.
+    equations: tuple[Equation, ...] = ()
     #: Sentences on how far its contacts differ from those of the other solvers.
     difference: str = ""
     #: Sentences on how far they differ while one of the model's dashpots acts.
@@ -89,6 +94,10 @@ class ContactModel:
         Models of one kind may share a parameter.
     keywords : tuple of SolverKeywords
         One for each solver that has the model.
+    equations : tuple of Equation
+        One for each term. Those of terms that an earlier kind has as well replace the earlier ones.
+    conventions : tuple of Convention
+        One for each key of its parameters, at least.
     dashpots : tuple of str
         Names of parameters of rolling dashpots, which limit the time step, and which solvers
         implement in different ways.
@@ -102,6 +111,8 @@ class ContactModel:
     kind: Kind
     parameters: tuple[MaterialParameter, ...]
     keywords: tuple[SolverKeywords, ...]
+    equations: tuple[Equation, ...] = ()
+    conventions: tuple[Convention, ...] = ()
     dashpots: tuple[str, ...] = ()
     safe_time_step: Callable[[Mapping[str, float]], float] | None = None
     attraction: Callable[[Contact], Attraction] | None = None
@@ -134,6 +145,7 @@ class ContactModel:
             yield "parameters are missing"
         if not self.keywords:
             yield "no solver has keywords for it"
+        yield from self._unexplained()
         if self.kind == "cohesion" and self.attraction is None:
             yield "attraction is missing"
         for parameter in self.parameters:
@@ -142,6 +154,14 @@ class ContactModel:
         for name in self.dashpots:
             if name not in names:
                 yield f"its dashpot {name} is none of its parameters"
+
+    def _unexplained(self) -> Iterator[str]:
+        if not self.equations:
+            yield "equations are missing"
+        explained = {convention.key for convention in self.conventions}
+        for key in dict.fromkeys(parameter.key for parameter in self.parameters):
+            if key not in explained:
+                yield f"the convention of {key} is missing"
 
     def set_parameters(self, material: Mapping[str, float]) -> list[str]:
         """Return the names of parameters that a material gives another value than the default."""
@@ -169,6 +189,22 @@ class ContactLaw:
     def keywords(self) -> list[SolverKeywords]:
         """Keywords of all models, for all solvers."""
         return [keywords for model in self.models for keywords in model.keywords]
+
+    @property
+    def conventions(self) -> list[Convention]:
+        """Meaning of the parameters in the equations."""
+        return [convention for model in self.models for convention in model.conventions]
+
+    @property
+    def differing_terms(self) -> list[tuple[str, Equation]]:
+        """Names of solvers, each with a term that it computes in another way."""
+        return [(words.solver, found) for words in self.keywords for found in words.equations]
+
+    def equations(self, solver: str = "") -> list[Equation]:
+        """Return the equation of every term, as a solver computes it; as defined without one."""
+        found = [equation for model in self.models for equation in model.equations]
+        found += [equation for name, equation in self.differing_terms if name == solver]
+        return list({equation.term: equation for equation in found}.values())
 
     @property
     def defaults(self) -> dict[str, float]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from grainfit.formatting import deviation_off, plain
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
+from grainfit.materials.time_step import RAYLEIGH_EQUATIONS
 
 _WIDTH = 96
 #: Longer texts are cut: decks have limits on their lines.
@@ -26,7 +27,12 @@ def header(card: MaterialCard) -> str:
     lines += ["", *_provenance(card)]
     if card.notices:
         lines += ["", "Notices:", *(f"  {notice}" for notice in card.notices)]
-    return "\n".join(comment(line) for text in lines for line in _wrapped(text))
+    return comments(lines)
+
+
+def comments(texts: Iterable[str]) -> str:
+    """Return texts as comments, wrapped with a hanging indent."""
+    return "\n".join(comment(line) for text in texts for line in _wrapped(text))
 
 
 def about(parameter: CardParameter) -> str:
@@ -127,6 +133,12 @@ def _time_step(card: MaterialCard) -> Iterator[str]:
         f"{100 * card.time_step_fraction:.3g} % of the Rayleigh time step "
         f"({card.rayleigh_time_step:.4g} s)"
     )
+    yield from (f"  {equation.words}" for equation in RAYLEIGH_EQUATIONS)
+    if card.sizes is not None:
+        clump = card.sizes.clump
+        near = clump is not None and clump.rayleigh_radius < clump.smallest_radius
+        why = ", less than a radius: spheres of the clump nearly coincide" if near else ""
+        yield f"  here, R = {card.sizes.rayleigh_radius:.6g} m{why}"
 
 
 def _provenance(card: MaterialCard) -> Iterator[str]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from grainfit.errors import Fault, InputError
 from grainfit.materials import messages
+from grainfit.materials.equations import Equation
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.one_line import one_line
 
@@ -49,6 +50,15 @@ def rayleigh_time_step(
     return math.pi * radius * math.sqrt(density / shear_modulus) / wave
 
 
+#: Equations of `rayleigh_time_step` for people.
+RAYLEIGH_EQUATIONS = (
+    Equation("shear modulus", "G = E/(2 (1 + nu))", "of the particles"),
+    Equation(
+        "Rayleigh time step",
+        "t_R = pi R sqrt(rho/G)/(0.1631 nu + 0.8766)",
+        "R: radius of the smallest simulated sphere, rho: density of the solid",
+    ),
+)
 _NAMES = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
 
 

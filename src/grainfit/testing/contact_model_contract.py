@@ -44,6 +44,7 @@ from grainfit.contact_models.hertz_mindlin.model import (
     tangential_stiffness,
 )
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS, contact_law, with_defaults
+from grainfit.materials.equations import SYMBOLS
 from grainfit.run_definition import without_defaults
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.single_contacts import ContactCase, Motion, SingleContacts, Sphere
@@ -120,6 +121,27 @@ class ContactModelContract:
 
         assert self.model in law.models
         assert law.without(program.solver) == []
+
+    def test_its_terms_have_equations_of_which_every_symbol_is_explained(
+        self, program: SingleContacts
+    ) -> None:
+        law = contact_law(self.material, [self.model.name])
+
+        assert not list(self.model.missing())
+        for solver in ("", program.solver):
+            equations = law.equations(solver)
+            explained = {*SYMBOLS, *(convention.symbol for convention in law.conventions)}
+            for equation in equations:
+                explained |= equation.symbols_explained
+            for equation in equations:
+                assert equation.symbols <= explained, equation.words
+
+    def test_a_solver_differs_in_terms_of_the_law(self, program: SingleContacts) -> None:
+        law = contact_law(self.material, [self.model.name])
+        terms = {equation.term for equation in law.equations()}
+
+        for solver, equation in law.differing_terms:
+            assert solver != program.solver or equation.term in terms, equation.words
 
     def test_at_its_defaults_an_optional_model_changes_nothing(self) -> None:
         names = {parameter.name for parameter in self.model.parameters}

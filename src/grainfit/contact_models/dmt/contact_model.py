@@ -6,12 +6,18 @@ from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.dmt.lammps import DmtLammps
 from grainfit.contact_models.dmt.model import attraction
 from grainfit.contact_models.dmt.yade import DmtYade
-from grainfit.contact_models.jkr.contact_model import SURFACE_ENERGY
+from grainfit.contact_models.jkr.contact_model import GAMMA, SURFACE_ENERGY
+from grainfit.materials.equations import Equation
 
 DMT = ContactModel(
     name="dmt",
     kind="cohesion",
     parameters=SURFACE_ENERGY,
     keywords=(DmtLammps(), DmtYade()),
+    equations=(
+        Equation("elastic force", "F_e = 4/3 E* a delta - 4 pi gamma R*"),
+        Equation("pull-off force", "F_po = 4 pi gamma R*"),
+    ),
+    conventions=(GAMMA,),
     attraction=attraction,
 )

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.dmt.model import pull_off_force
 from grainfit.contact_models.yade import YadeArgument, YadeKeywords, values_on_walls
+from grainfit.materials.equations import Equation
 
 _NOTES = """\
 COHESION: gamma is the surface energy (the work of adhesion is twice as much), one for all contacts:
 that of two particles.
     - On a Wall, YADE takes half the radius as R*, on a Facet two thirds: the pull-off force there
       is that of a surface energy of {on_wall:.6g} and {on_facet:.6g} J/m^2{on_walls}.
-    - Friction is limited by the normal force plus the pull-off force, in LAMMPS plus twice that.
     - YADE limits damping to the pull-off force where bodies part: with hardly any cohesion, bodies
       with a restitution of 0.79 part with 0.80, those with 0.3 with 0.42."""
 
@@ -24,6 +24,10 @@ class DmtYade(YadeKeywords):
     difference = (
         "YADE limits the friction of cohesive contacts by the normal force plus the pull-off "
         "force, LAMMPS plus twice the pull-off force: cohesive beds do not agree."
+    )
+    equations = (
+        Equation("normal force", "F = F_e + c_n v_n", "c_n v_n is at most F_po where bodies part"),
+        Equation("force that limits friction", "F_n = |F| + F_po", "rolling by |F| alone"),
     )
 
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:

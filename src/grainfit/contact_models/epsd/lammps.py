@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
 from grainfit.contact_models.lammps import LammpsKeywords
+from grainfit.materials.equations import Equation
 
 _NOTES = """\
-rolling sds: stiffness k (N/m), damping (N s/m), rolling friction; they stand for the rolling
-friction EPSD of LIGGGHTS:  k = 2.25 k_n mu_r^2,  damping = 2 eta_r sqrt(I_r k) / R*,  with
-k_n = 4/3 E* sqrt(R* overlap). k_n grows with the load, k does not: it is taken at a normal force of
-{load:g} particle weights (1 or 20 make no visible difference to a heap), for these diameters,
-this density and a gravity of {gravity} m/s^2. For other particles, or far larger loads,
-work out k and damping again (docs/heap_test.md of grainfit)."""
+rolling sds: stiffness k_r/R*^2 (N/m), damping c_r/R*^2 (N s/m), rolling friction mu_r, for these
+diameters, this density and a gravity of {gravity} m/s^2. Another load of 1 or 20 particle weights
+makes no visible difference to a heap. For other particles, or far larger loads, work out stiffness
+and damping again with the equations above."""
 
 
 class EpsdLammps(LammpsKeywords):
@@ -28,6 +27,14 @@ class EpsdLammps(LammpsKeywords):
         "flows 2 % smaller, and the loading modulus of a compression 7 % larger. Angles of heaps "
         "agree."
     )
+    equations = (
+        Equation(
+            "normal stiffness",
+            "k_n = 4/3 E* a",
+            f"constant for rolling, at F_e of {TYPICAL_LOAD:g} particle weights",
+        ),
+        Equation("rolling limit", "|M_r| <= mu_r R* F_n", "it limits spring and dashpot together"),
+    )
 
     def clauses(self, contact: Contact) -> Mapping[str, str]:
         """Return the rolling resistance of a contact."""
@@ -36,5 +43,5 @@ class EpsdLammps(LammpsKeywords):
         return {"rolling": f"rolling sds {spring.stiffness} {spring.damping} {friction}"}
 
     def notes(self, gravity: float) -> str:
-        """Return the meaning of the coefficients, and the load for which they are valid."""
-        return _NOTES.format(load=TYPICAL_LOAD, gravity=gravity)
+        """Return the meaning of the coefficients, and the particles for which they are valid."""
+        return _NOTES.format(gravity=gravity)

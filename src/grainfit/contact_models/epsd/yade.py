@@ -3,29 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
 
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
 from grainfit.contact_models.yade import YadeArgument, YadeKeywords, values_on_walls
+from grainfit.materials.equations import Equation
 
 _NOTES = """\
 ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the values.
-    - YADE has one krot and one eta for all contacts. Here they are those of two particles.
-    - eta is half the rolling friction: YADE limits the moment to eta times radius times normal force,
-      the rolling friction EPSD of LIGGGHTS to mu_r R* times normal force; R* of two equal spheres is
-      half their radius.
-    - krot is EPSD's 2.25 k_n (mu_r R*)^2, which grows with the load; krot does not, and is taken for a
-      diameter of {diameter} m at a normal force of {load:g} particle weights.
-    - On a Wall, eta acts as a rolling friction of {on_wall:.6g}, on a Facet of {on_facet:.6g}{on_walls}.
-    - YADE has no rolling dashpot: rolling damping is left out."""  # noqa: E501 (lines of a card)
+    - YADE has one krot (the k_r above) and one eta for all contacts. Here they are those of two
+      particles with a diameter of {diameter} m.
+    - On a Wall, eta acts as a rolling friction of {on_wall:.6g}, on a Facet of {on_facet:.6g}{on_walls}."""  # noqa: E501 (lines of a card)
+#: Limit of the moment of both rolling models.
+ROLLING_LIMIT = Equation(
+    "rolling limit",
+    "|M_r| <= eta (R_1 + R_2)/2 |F|",
+    "eta: mu_r/2, so that it is mu_r R* |F| of two equal spheres",
+)
+#: When the rolling spring is taken, which is a constant.
+CONSTANT = f"at F_e of {TYPICAL_LOAD:g} particle weights, between particles of mean size"
 
 
 class EpsdYade(YadeKeywords):
     """One rolling stiffness and one limit of the moment, those of two equal particles."""
 
     difference = "Rolling friction is not quite the same in YADE, which has no rolling dashpot."
-    remarks: ClassVar[str] = _NOTES
+    equations: tuple[Equation, ...] = (
+        Equation("normal stiffness", "k_n = 4/3 E* a", f"constant for rolling, {CONSTANT}"),
+        Equation("rolling damping", "c_r = 0"),
+        ROLLING_LIMIT,
+    )
     unused: tuple[str, ...] = (
         "particle_particle.rolling_damping",
         "particle_wall.rolling_damping",
@@ -65,9 +72,8 @@ class EpsdYade(YadeKeywords):
 
     def notes(self, contact: Contact) -> str:
         """Return the differences of YADE's rolling friction, in lines of text."""
-        return self.remarks.format(
+        return _NOTES.format(
             diameter=2 * contact.radius,
-            load=TYPICAL_LOAD,
             on_wall=_eta(contact),
             on_facet=1.5 * _eta(contact),
             on_walls=values_on_walls(contact, "rolling_friction"),

@@ -11,6 +11,7 @@ from grainfit.contact_models.hertz_mindlin.model import (
     tangential_stiffness,
 )
 from grainfit.contact_models.lammps import LammpsKeywords
+from grainfit.materials.equations import Equation
 
 
 class HertzMindlinLammps(LammpsKeywords):
@@ -19,6 +20,9 @@ class HertzMindlinLammps(LammpsKeywords):
     legend = (
         "Hertz: E, restitution, nu. Mindlin: 8 G*, tangential over normal damping, "
         "sliding friction."
+    )
+    equations = (
+        Equation("sliding limit", "|F_t| <= mu F_n", "it limits spring and dashpot together"),
     )
 
     def clauses(self, contact: Contact) -> Mapping[str, str]:

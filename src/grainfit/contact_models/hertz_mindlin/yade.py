@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.model import particle_moduli
 from grainfit.contact_models.yade import YadeArgument, YadeKeywords
+from grainfit.materials.equations import Equation
 
 #: 1/Pa: a body that hardly deforms, in place of one that does not at all.
 _LEAST_COMPLIANCE = 1e-30
@@ -19,6 +20,27 @@ class HertzMindlinYade(YadeKeywords):
         "YADE keeps the tangential force while a contact unloads: steep impacts, which stick (5° "
         "from the normal), rebound with up to 11 % less tangential speed, and contacts that stick "
         "lose more energy."
+    )
+    equations = (
+        Equation(
+            "damping factor",
+            "b = sqrt(1/(1 - (1 + e)^2 exp(h)) - 1)",
+            "h: a polynomial of e, with which impacts have the restitution e although F is never "
+            "attractive (Thornton et al. 2013, eq. B7)",
+        ),
+        Equation("normal damping", "c_n = 2 b sqrt(2 E* a m*)"),
+        Equation("normal force", "F = max(F_e + c_n v_n, 0)"),
+        Equation("tangential damping", "c_t = 2 b sqrt(8 G* a m*)"),
+        Equation(
+            "tangential force",
+            "F_t = F_s + c_t v_t",
+            "F_s: sum of the increments k_t dxi, which stay while the contact unloads",
+        ),
+        Equation(
+            "sliding limit",
+            "F_s <= mu F_n",
+            "it limits the spring; the dashpot acts beside it while the contact sticks",
+        ),
     )
 
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (names only)

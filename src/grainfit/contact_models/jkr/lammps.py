@@ -9,6 +9,7 @@ from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.lammps import elastic_coefficients
 from grainfit.contact_models.lammps import LammpsKeywords
 from grainfit.contact_models.mass_damping import mass_damping
+from grainfit.materials.equations import Equation
 
 _NOTES = """\
 {name}: E, damping, nu, surface energy (J/m^2; the work of adhesion is twice as much). LAMMPS has no
@@ -22,6 +23,16 @@ class JkrLammps(LammpsKeywords):
 
     name: ClassVar[str] = "jkr"
     legend = "Cohesion: E, damping 1/s, nu, surface energy J/m^2."
+    equations = (
+        Equation(
+            "normal damping",
+            "c_n = D m*",
+            "D: rate at which an impact with the speed sqrt(g d) has the restitution e; other "
+            "impacts have another one",
+        ),
+        Equation("tangential damping", "c_t = D m* sqrt(4 G*/E*)"),
+        Equation("force that limits friction", "F_n = |F_e + 2 F_po|", "of rolling, too"),
+    )
 
     def clauses(self, contact: Contact) -> Mapping[str, str]:
         """Return the normal force of a contact; none without surface energy."""

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from grainfit.contact_models.base import ContactModel
-from grainfit.contact_models.sjkr.contact_model import COHESION_ENERGY_DENSITY
+from grainfit.contact_models.sjkr.contact_model import ATTRACTION, COHESION_ENERGY_DENSITY, OMEGA
 from grainfit.contact_models.sjkr2.liggghts import SJKR2_LIGGGHTS
 from grainfit.contact_models.sjkr2.model import attraction
+from grainfit.materials.equations import Equation
 
 SJKR2 = ContactModel(
     name="sjkr2",
     kind="cohesion",
     parameters=COHESION_ENERGY_DENSITY,
     keywords=(SJKR2_LIGGGHTS,),
+    equations=(
+        Equation("area of contact", "A = 4 pi R* delta", "2 pi R* delta on a wall"),
+        *ATTRACTION,
+    ),
+    conventions=(OMEGA,),
     attraction=attraction,
 )

@@ -19,9 +19,10 @@ from grainfit.contact_models.registry import (
     with_defaults,
 )
 from grainfit.errors import InputError
-from grainfit.formatting import variable_name
+from grainfit.formatting import in_a_row, variable_name
 from grainfit.materials.card import CardParameter, MaterialCard
-from grainfit.materials.card_text import about, comment, header
+from grainfit.materials.card_text import about, comment, comments, header
+from grainfit.materials.equations import SYMBOLS
 from grainfit.materials.parameters import BODY_PARAMETERS, MaterialParameter
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import PLAIN, plain_name, wall_of, walls_among
@@ -37,6 +38,23 @@ _WIDTH = 96
 def origin(card: MaterialCard, solver: str) -> str:
     """Return comments on the validity of the values in this solver."""
     return "\n".join(comment(line) for line in textwrap.wrap(_validity(card, solver), _WIDTH))
+
+
+def equations(card: MaterialCard, solver: str) -> str:
+    """Return comments with the contact law as the solver computes it, and its conventions."""
+    law = contact_law(with_defaults(card.values), card.contact_models)
+    found = law.equations(solver)
+    used = {symbol for equation in found for symbol in equation.symbols}
+    return comments(
+        [
+            "",
+            f"Contact law: {in_a_row([model.name for model in law.models])} in {_DECKS[solver]}",
+            *(f"  {equation.words}" for equation in found),
+            *(f"  {c.symbol} ({c.key}): {c.meaning}" for c in law.conventions),
+            *(f"  {symbol}: {meaning}" for symbol, meaning in SYMBOLS.items() if symbol in used),
+            "",
+        ]
+    )
 
 
 def _validity(card: MaterialCard, solver: str) -> str:
@@ -166,14 +184,16 @@ def variables(
         yield name, parameter
 
 
-def comments(notes: Iterable[str]) -> str:
+def model_notes(notes: Iterable[str]) -> str:
     """Return the notes of contact models as comments; a model without notes has none."""
     return "\n".join(f"# {line}" for text in notes for line in text.splitlines())
 
 
 def fill_card(solver: str, card: MaterialCard, values: Mapping[str, Any]) -> str:
     """Fill in the card of a solver: what all cards have, and values of its own."""
-    common = {"header": header(card), "origin": origin(card, solver), "card": card, "about": about}
+    law = equations(card, solver)
+    common: dict[str, Any] = {"header": f"{header(card)}\n{law}", "origin": origin(card, solver)}
+    common |= {"card": card, "about": about}
     return fill(solver, common | dict(values))
 
 

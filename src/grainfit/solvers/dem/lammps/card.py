@@ -12,8 +12,8 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import material_on
 from grainfit.solvers.dem.card_clumps import clump_lines, lammps_molecule
 from grainfit.solvers.dem.card_parts import (
-    comments,
     fill_card,
+    model_notes,
     require_material,
     require_sizes,
     simulated_card,
@@ -81,7 +81,7 @@ def render_lammps(card: MaterialCard) -> str:
             "reach": max(sizes.outer_diameters) + 0.3 * sizes.sauter_diameter,
             "clump": clump_lines(sizes, material["particle.density"], lammps_molecule),
             "variables": list(variables(card.parameters, taken)),
-            "notes": comments(keywords.notes(card.gravity) for keywords in lammps_keywords(law)),
+            "notes": model_notes(keywords.notes(card.gravity) for keywords in lammps_keywords(law)),
             "particle_contacts": between,
             "wall_contacts": walls,
         },

@@ -10,8 +10,8 @@ from grainfit.materials.card import MaterialCard
 from grainfit.materials.walls import on_wall
 from grainfit.solvers.dem.card_clumps import card_clumps, clump_comments
 from grainfit.solvers.dem.card_parts import (
-    comments,
     fill_card,
+    model_notes,
     require_material,
     require_sizes,
     simulated_card,
@@ -58,7 +58,7 @@ def render_yade(card: MaterialCard) -> str:
             "clumps": card_clumps(sizes, material["particle.density"]),
             "weights": None if sizes.clump is None else clump_shares(sizes.clump).weights,
             "quoted": repr,
-            "notes": comments(found.notes(contact) for found in keywords),
+            "notes": model_notes(found.notes(contact) for found in keywords),
             "physics": yade_physics(law, contact),
             "law": ", ".join(f"{name}={value}" for name, value, _ in yade_law(law, contact)),
             "walls": [_wall(wall, material) for wall in walls_of_card(card)],
