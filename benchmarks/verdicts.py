@@ -50,7 +50,7 @@ def calibrate(name: str, seed: int, workers: int) -> Record:
 
     def note(progress: Progress) -> None:
         if not told or told[-1][0] != progress.done:
-            told.append((progress.done, *progress.left_range))
+            told.append((progress.done, *progress.to_come.range))
 
     start = time.perf_counter()
     try:

@@ -11,12 +11,13 @@ from rich.console import Console
 
 import grainfit as gf
 from grainfit.calibration.live_progress import LiveProgress
+from grainfit.calibration.runs_to_come import RunsToCome
 
-BEGUN = gf.Progress("design", 3, 2, 1, 5, 60.0, 0.0123, (), {"other": 4})
+BEGUN = gf.Progress("design", 3, 2, 1, RunsToCome(5.0), 60.0, 0.0123, (), {"other": 4})
 PROBLEM = gf.Problem(
     [gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 30.0, tolerance=0.5)]
 )
-WORDS = "design: 3 done, 2 running, 1 failed, 3 to 8 to come, best run within 1.2%"
+WORDS = "design: 3 done, 2 running, 1 failed, about 5 (3 to 8) to come, best run within 1.2%"
 
 
 def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
@@ -35,7 +36,7 @@ def shown(*steps: gf.Progress, terminal: bool) -> str:
 def test_a_terminal_shows_a_bar_and_the_words_in_full() -> None:
     text = shown(BEGUN, replace(BEGUN, notices=("[red]look\x1b[31m",)), terminal=True)
     assert "━" * 10 in text
-    assert "38 s to 1 min 36 s left" in " ".join(text.replace("\n", " ").split())
+    assert "36 s to 1 min 36 s left" in " ".join(text.replace("\n", " ").split())
     assert "[red]look\\x1b[31m" in text
     assert text.count("Warm start from 4 earlier runs") == 1
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -36,24 +40,24 @@ def notes_on_density(tmp_path: Path, *changes: tuple[str, str]) -> list[str]:
 
 
 def time_of(setup: CalibrationSetup) -> RunTime | None:
-    runs = expected_runs(setup.file, setup.problem)
+    runs = expected_runs(setup.file, setup.problem, setup.solvers)
     costs = costs_of_runs(setup.problem, setup.solvers)
     return run_time(runs, costs, setup.repeats, setup.workers)
 
 
 def test_time_is_that_of_the_runs_of_the_plan_by_the_workers(tmp_path: Path) -> None:
     beads = setup(tmp_path)
-    runs = expected_runs(beads.file, beads.problem)
+    runs = expected_runs(beads.file, beads.problem, beads.solvers)
     cost = beads.solvers["heap"].estimate_cost(beads.problem.middle)
     assert cost is not None
     time = time_of(beads)
     assert time is not None
-    fewest, most = runs.total
+    fewest, most = runs.to_come.range
     assert time.seconds[1] == pytest.approx(-(-most // beads.workers) * cost.wall_seconds)
-    assert (fewest, most) == (runs.design + runs.after, runs.design + 4 * runs.after)
+    assert runs.design + runs.verification <= fewest < most
     lines = describe_plan(beads).lines
     [line] = [line for line in lines if line.startswith("DEM runs")]
-    assert f"{runs.design} for the design, then usually {runs.after} to {4 * runs.after}" in line
+    assert line.startswith(f"DEM runs: {runs.to_come}, {runs.design} of them for the design;")
     [line] = [line for line in lines if line.startswith("Time: ")]
     assert str(time) in line
     assert not any("The calibration takes" in note for note in describe_plan(beads).notes)
@@ -154,12 +158,49 @@ def test_run_forecasts_with_its_budget_what_check_forecasts(tmp_path: Path) -> N
     setup(tmp_path, ('uncertainty = "1 %"', 'uncertainty = "0.2 %"'))
     file = tmp_path / "beads.toml"
     checked = grainfit("check", file)
-    assert "About 8 of 10 such calibrations end undecided, with a budget of 45 runs" in checked
+    assert "about 55 runs. About 8 of 10 such calibrations end undecided" in checked
+    assert "with a budget of 48 runs" in checked
     # Too few for the design: nothing is simulated.
     started = grainfit("run", file, "--max-runs", "3", "--workdir", tmp_path / "work")
     assert "about 55 runs. About 9 of 10" in started
     assert "with a budget of 3 runs; a tolerance of 0.32 % takes about 26." in started
     assert "angle_of_repose: recorded runs scatter by" in started
+
+
+@pytest.mark.parametrize("budget", [None, 9, 12])
+def test_the_progress_begins_with_the_numbers_of_check(tmp_path: Path, budget: int | None) -> None:
+    one = ("[[test]]", "[strategy]\nworkers = 1\n\n[[test]]")
+    setup(tmp_path, one)
+    file = tmp_path / "beads.toml"
+    given = [] if budget is None else ["--max-runs", str(budget)]
+    begun = progress_of(file, *given)
+    if budget is not None:
+        file.write_text(
+            file.read_text().replace("workers = 1", f"workers = 1\nmax_runs = {budget}")
+        )
+    [planned] = re.findall(r"DEM runs: (.+?), 5 of them for the design", grainfit("check", file))
+    assert f"0 done, 1 running, 0 failed, {planned} to come" in begun
+    # By the recorded scatter of the angle: 2.24 standard errors within the tolerance.
+    scatter = gf.tests.Heap.responses["angle_of_repose"].sensitivities.scatter * 22 / 0.5
+    needed = int(1.1 * (2.24 * scatter) ** 2 + 6)
+    assert planned == (
+        f"about {needed} ({int(needed / 1.6)} to {math.ceil(1.6 * needed)})"
+        if budget is None
+        else str(budget)
+    )
+
+
+def progress_of(file: Path, *given: str) -> str:
+    """Start a calibration; return its output up to its first line of progress, and stop it."""
+    words = [sys.executable, "-m", "grainfit", "run", file, "--no-report", *given]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
+        assert process.stderr is not None
+        text = b""
+        while b" to come" not in text and (line := process.stderr.readline()):
+            text += line
+        process.send_signal(signal.SIGINT)
+        process.communicate()
+    return text.decode()
 
 
 def grainfit(*arguments: object) -> str:

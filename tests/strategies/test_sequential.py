@@ -380,6 +380,27 @@ def test_with_too_few_successes_it_looks_everywhere_to_the_end_of_the_budget(
         search.answer()
 
 
+@pytest.mark.parametrize(("recorded", "tolerance"), [(0.2, 0.1), (10.0, 5.0)])
+def test_expected_runs_move_from_the_recorded_to_the_measured_scatter(
+    recorded: float, tolerance: float
+) -> None:
+    search = Sequential().start(heap_problem(tolerance=tolerance), 1)
+    search.expected_scatter = recorded
+    expected = [search.expected_left]
+    for _ in range(DESIGN + 7):
+        proposal = search.ask()
+        if proposal is None:
+            break
+        search.tell(proposal, heap(proposal))
+        expected.append(search.expected_left)
+    # Heaps scatter by 0.8 degrees.
+    assert expected[0] == max(DESIGN + 5, int(1.1 * (2.24 * recorded) ** 2 + 6))
+    if recorded < 1:
+        assert expected[-1] > 3 * expected[0]
+    else:
+        assert expected[-1] < expected[0] / 5
+
+
 # Several runs at a time ----------------------------------------------------------------------
 
 

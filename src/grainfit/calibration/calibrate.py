@@ -19,6 +19,7 @@ from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.readiness import require_ready
+from grainfit.calibration.runs_to_come import largest_scatter
 from grainfit.calibration.scopes import repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.campaign.campaign import Campaign, CampaignOptions
@@ -160,7 +161,15 @@ def calibrate(
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)
     verification_runs = verification_runs or VERDICT.fresh_seeds
-    search = start_search(chosen, problem, sum(means.values()), seed, max_runs, verification_runs)
+    search = start_search(
+        chosen,
+        problem,
+        sum(means.values()),
+        seed,
+        max_runs,
+        verification_runs,
+        largest_scatter(problem, solvers, means),
+    )
     with ExitStack() as stack:
         show = stack.enter_context(_shown(on_progress)) if progress else on_progress
         options = LoopOptions(name, workers, max_runs, verification_runs, show, provenance)

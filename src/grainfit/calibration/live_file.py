@@ -108,7 +108,7 @@ class LiveFile:
             Its progress.
         """
         self._looked = time.monotonic()
-        estimated = (progress.done, progress.left, progress.seconds_left)
+        estimated = (progress.done, progress.to_come, progress.seconds_left)
         if estimated != self._estimate[0]:
             self._estimate = (estimated, time.time())
         content = {
@@ -117,7 +117,7 @@ class LiveFile:
             "stage": progress.stage,
             "done": progress.done,
             "failed": progress.failed,
-            "left": progress.left_range,
+            "left": progress.to_come.range,
             "seconds_left": progress.seconds_left_range,
             "estimated": self._estimate[1],
             "started": self._started,

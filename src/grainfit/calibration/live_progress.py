@@ -82,7 +82,7 @@ class LiveProgress:
             self._printed = len(progress.evaluations)
         line = self._describe(progress)
         if self._is_live:
-            total = progress.done + progress.left
+            total = progress.done + progress.to_come.about
             self._bar.update(self._task, description=line, completed=progress.done, total=total)
             return
         stage, shown = self._last_line
@@ -101,7 +101,7 @@ class LiveProgress:
             f"{progress.stage}: {progress.done} done",
             f"{progress.running} running",
             f"{progress.failed} failed",
-            f"{_span(*map(str, progress.left_range))} to come",
+            f"{progress.to_come} to come",
         ]
         if progress.best_deviation is not None:
             parts.append(f"best run within {progress.best_deviation:.1%}")

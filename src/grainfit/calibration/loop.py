@@ -21,6 +21,7 @@ from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.records_read import RecordsRead
+from grainfit.calibration.runs_to_come import RunsSoFar, runs_to_come
 from grainfit.calibration.verification import runs_near
 from grainfit.calibration.warm_start import warm_start
 from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
@@ -477,11 +478,20 @@ class CalibrationLoop:
         evaluations = self._evaluations
         verified = [e for e in evaluations if e.proposal.stage == "verification"]
         campaign = self._campaign
-        asked = max(self._verification_asked, self._options.verification_runs * campaign.tests)
-        # Runs of an evaluation of one test, on average.
-        each = campaign.runs_per_set / campaign.tests
-        left = max(self._strategy.expected_left * each, asked * each - _runs(verified), 0)
-        left = math.ceil(self._with_failing(left))
+        failed = sum(len(e.failed_runs) for e in evaluations)
+        to_come = runs_to_come(
+            self._strategy,
+            campaign.runs_per_set,
+            self._options.max_runs,
+            self._options.verification_runs,
+            RunsSoFar(
+                _runs(evaluations),
+                failed,
+                _runs(verified),
+                math.ceil(self._verification_asked * campaign.runs_per_set / campaign.tests),
+                self._stage == "design",
+            ),
+        )
         simulated = _runs(evaluations) - sum(e.reused for e in evaluations)
         seconds = sum(e.simulated_seconds for e in evaluations)
         return Progress(
@@ -489,9 +499,9 @@ class CalibrationLoop:
             _runs(evaluations),
             # Runs of one parameter set in several tests wait for a worker.
             min(campaign.under_way, self._options.workers),
-            sum(len(e.failed_runs) for e in evaluations),
-            left,
-            seconds / simulated * left / self._options.workers if simulated else None,
+            failed,
+            to_come,
+            seconds / simulated * to_come.about / self._options.workers if simulated else None,
             min(self._deviations(), default=None),
             self._all_notices(),
             self._origins,
@@ -513,17 +523,6 @@ class CalibrationLoop:
             self._notices += source[taken:]
         self._taken = len(sources[0]), len(sources[1])
         return tuple(self._notices)
-
-    def _with_failing(self, successful: float) -> float:
-        """Return the runs that give a number of successful ones, within the budget."""
-        done = _runs(self._evaluations)
-        failed = sum(len(e.failed_runs) for e in self._evaluations)
-        # The design has its number of runs, however many fail.
-        if self._stage == "design" or failed == done:
-            return successful
-        expected = successful * done / (done - failed)
-        most = self._options.max_runs
-        return expected if most is None else max(successful, min(expected, most - done))
 
     def _deviations(self) -> list[float]:
         """Return the largest relative deviation of each evaluation that has all responses.

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import ceil, floor
 
+from grainfit.calibration.runs_to_come import RunsToCome
 from grainfit.campaign.pending import ClusterJob, PendingRun
 from grainfit.evaluation import Evaluation
 from grainfit.one_line import one_line
-
-#: Factor to both sides of the estimated remaining runs (`benchmarks/verdicts.py`).
-UNCERTAINTY_OF_LEFT = 1.6
 
 
 @dataclass(frozen=True)
@@ -24,7 +21,7 @@ class Progress:
         ``design``, ``optimisation`` or ``verification``.
     done, running, failed : int
         Finished, running and failed runs: one test at one parameter set each.
-    left : int
+    to_come : RunsToCome
         Estimated number of remaining runs, verification included.
     seconds_left : float, optional
         Estimated remaining time, s.
@@ -53,7 +50,7 @@ class Progress:
     done: int
     running: int
     failed: int
-    left: int
+    to_come: RunsToCome
     seconds_left: float | None
     best_deviation: float | None
     notices: tuple[str, ...]
@@ -64,13 +61,10 @@ class Progress:
     jobs: Sequence[ClusterJob] = ()
 
     @property
-    def left_range(self) -> tuple[int, int]:
-        """Range of the number of remaining runs, see `UNCERTAINTY_OF_LEFT`."""
-        return floor(self.left / UNCERTAINTY_OF_LEFT), ceil(self.left * UNCERTAINTY_OF_LEFT)
-
-    @property
     def seconds_left_range(self) -> tuple[float, float] | None:
         """Range of the remaining time, s."""
         if self.seconds_left is None:
             return None
-        return self.seconds_left / UNCERTAINTY_OF_LEFT, self.seconds_left * UNCERTAINTY_OF_LEFT
+        each = self.seconds_left / max(self.to_come.about, 1)
+        low, high = self.to_come.range
+        return low * each, high * each

@@ -126,7 +126,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     costs: dict[str, float] = {}
     try:
         with with_lines(setup.file.path):
-            runs = expected_runs(setup.file, setup.problem)
+            runs = expected_runs(setup.file, setup.problem, setup.solvers)
         if call_scenes or not any(map(_has_code, setup.solvers.values())):
             costs = costs_of_runs(setup.problem, setup.solvers)
             time = run_time(runs, costs, setup.repeats, setup.workers)
@@ -200,8 +200,7 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:
     yield (
-        f"DEM runs: {runs.design} for the design, then usually {runs.after} to "
-        f"{runs.most_after}, more where a run scatters by more than the tolerance; the last "
+        f"DEM runs: {runs.to_come}, {runs.design} of them for the design; the last "
         f"{runs.verification} or more are fresh seeds at the answer. "
         f"{setup.workers} at a time. Strategy: {runs.strategy}."
     )

@@ -7,18 +7,23 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 
+from grainfit.calibration.runs_to_come import (
+    RunsToCome,
+    largest_scatter,
+    runs_of_budget,
+    runs_to_come,
+)
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.errors import InputError
 from grainfit.formatting import duration
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
+from grainfit.strategies.base import Search
 from grainfit.strategies.budget import start_search
 from grainfit.verdict.options import VERDICT
 
 #: From this time on, a calibration is worth shortening, s.
 _LONG = 86_400.0
-#: Largest number of runs after the design, over the usual one.
-_MOST = 4
 _DAY = 86_400.0
 #: Time from which on minutes are left out, s.
 _HOURS = 36_000.0
@@ -30,65 +35,90 @@ class ExpectedRuns:
 
     Parameters
     ----------
-    design, after : int
-        Runs of the design, and the usual number after it, verification included.
+    to_come : RunsToCome
+        All of them.
+    design : int
+        Runs of the design.
     verification : int
-        Fewest runs with fresh seeds, part of those after the design.
+        Fewest runs with fresh seeds.
     strategy : str
         Name of the strategy.
-    limit : int, optional
-        Budget.
     """
 
+    to_come: RunsToCome
     design: int
-    after: int
     verification: int
     strategy: str
-    limit: int | None
-
-    @property
-    def most_after(self) -> int:
-        """Largest usual number of runs after the design."""
-        return _MOST * self.after
-
-    @property
-    def total(self) -> tuple[int, int]:
-        """Smallest and largest usual number of runs in all, within the budget."""
-        most = self.limit or math.inf
-        return (
-            int(min(self.design + self.after, most)),
-            int(min(self.design + self.most_after, most)),
-        )
 
 
-def expected_runs(file: CalibrationFile, problem: Problem) -> ExpectedRuns:
+def expected_runs(
+    file: CalibrationFile,
+    problem: Problem,
+    solvers: Mapping[str, Solver],
+    max_runs: int | None = None,
+) -> ExpectedRuns:
     """Return the expected number of runs.
+
+    Parameters
+    ----------
+    file : CalibrationFile
+        The calibration file.
+    problem : Problem
+        Its problem.
+    solvers : mapping of str to Solver
+        By name of the test.
+    max_runs : int, optional
+        Budget of the command line, which replaces that of the file.
 
     Raises
     ------
     InputError
         The options of the strategy do not fit the problem.
     """
-    strategy = file.strategy
-    verification = strategy.verification_runs or VERDICT.fresh_seeds
-    runs_of_a_set = sum(file.repeats.values())
-    search = start_search(
-        strategy.strategy,
-        problem,
-        runs_of_a_set,
-        seed=1,
-        max_runs=strategy.max_runs,
-        verification_runs=verification,
-    )
-    # Runs of an evaluation of one test, on average.
-    each = runs_of_a_set / len(file.repeats)
-    left = math.ceil((search.expected_left - search.runs_of_design) * each)
+    budget, runs_of_a_set = max_runs or file.strategy.max_runs, sum(file.repeats.values())
+    search = _search(file, problem, budget, largest_scatter(problem, solvers, file.repeats))
     return ExpectedRuns(
-        math.ceil(search.runs_of_design * each),
-        max(left, verification * runs_of_a_set),
-        verification * runs_of_a_set,
+        runs_to_come(search, runs_of_a_set, budget, _verification(file)),
+        math.ceil(search.runs_of_design * runs_of_a_set / len(file.repeats)),
+        _verification(file) * runs_of_a_set,
         search.name,
-        strategy.max_runs,
+    )
+
+
+def largest_number(file: CalibrationFile, problem: Problem, max_runs: int | None) -> int | None:
+    """Return the largest number of runs, without a budget that of the strategy, if it has one.
+
+    Parameters
+    ----------
+    file, problem, max_runs
+        As of `expected_runs`.
+
+    Raises
+    ------
+    InputError
+        The options of the strategy do not fit the problem.
+    """
+    if budget := max_runs or file.strategy.max_runs:
+        return budget
+    search = _search(file, problem, None)
+    return runs_of_budget(search, sum(file.repeats.values()), None, _verification(file))
+
+
+def _verification(file: CalibrationFile) -> int:
+    return file.strategy.verification_runs or VERDICT.fresh_seeds
+
+
+def _search(
+    file: CalibrationFile, problem: Problem, budget: int | None, scatter: float | None = None
+) -> Search:
+    return start_search(
+        file.strategy.strategy,
+        problem,
+        sum(file.repeats.values()),
+        seed=1,
+        max_runs=budget,
+        verification_runs=_verification(file),
+        scatter=scatter,
     )
 
 
@@ -118,7 +148,7 @@ class RunTime:
         """Smallest and largest usual wall time in all, s."""
         weights = self.repeats
         mean = sum(weights[test] * s for test, s in self.costs.items()) / sum(weights.values())
-        low, high = (math.ceil(runs / self.workers) * mean for runs in self.runs.total)
+        low, high = (math.ceil(runs / self.workers) * mean for runs in self.runs.to_come.range)
         return low, high
 
     @property

@@ -133,6 +133,9 @@ class Search(ABC):
     verify_from: ClassVar[float] = VERDICT.verify_from
     #: Whether runs outside the intervals may be told to it: its answer is never one of them.
     learns_beyond_intervals: ClassVar[bool] = False
+    #: Scatter of single evaluations in tolerances that is expected before any run, as recorded;
+    #: of the order of the tolerance where nothing is known.
+    expected_scatter: float = 1.0
 
     def __init__(
         self, strategy: Strategy, problem: Problem, seed: int, max_evaluations: int | None = None
@@ -165,7 +168,12 @@ class Search(ABC):
     @property
     @abstractmethod
     def expected_left(self) -> int:
-        """Estimated number of runs still to be told; the time left is computed from it."""
+        """Estimated number of runs still needed; a budget may end the search before."""
+
+    @property
+    def limit(self) -> int | None:
+        """Largest number of proposals, None if there is none; the budget unless overridden."""
+        return self.max_evaluations
 
     @property
     def confidence(self) -> float:

@@ -17,6 +17,7 @@ def start_search(
     seed: int,
     max_runs: int | None,
     verification_runs: int,
+    scatter: float | None = None,
 ) -> Search:
     """Start the search of a calibration within a budget of DEM runs.
 
@@ -34,6 +35,9 @@ def start_search(
         Largest number of DEM runs, verification included.
     verification_runs : int
         Runs of a verification; the budget keeps room for one.
+    scatter : float, optional
+        Scatter of single evaluations in tolerances, where it is known before any run: the largest
+        of all targets.
 
     Raises
     ------
@@ -43,13 +47,20 @@ def start_search(
     """
     strategy.check_rayleigh_weight(problem.rayleigh_weight)
     if max_runs is None:
-        return strategy.start(problem, seed)
+        return _with_scatter(strategy.start(problem, seed), scatter)
     smallest = (strategy.fewest_evaluations(problem) + verification_runs) * tests
     if max_runs < smallest:
         raise InputError(
             messages.BUDGET_TOO_SMALL.fault("max_runs", runs=max_runs, fewest=smallest)
         )
-    return strategy.start(problem, seed, max_runs // tests - verification_runs)
+    search = strategy.start(problem, seed, max_runs // tests - verification_runs)
+    return _with_scatter(search, scatter)
+
+
+def _with_scatter(search: Search, scatter: float | None) -> Search:
+    if scatter is not None:
+        search.expected_scatter = scatter
+    return search
 
 
 def runs_with_scatter(ratio: float, dimension: int) -> int:

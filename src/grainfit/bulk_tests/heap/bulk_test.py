@@ -128,7 +128,8 @@ class Heap(BulkTest):
             "α",
             "angle of repose: inclination of the heap's flanks",
             '{ value = "22 deg", uncertainty = "0.5 deg" }',
-            Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}, 0.056),
+            # Scatter: 20 seeds on each of three solvers (`benchmarks/data/solver_agreement.jsonl`).
+            Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}, 0.039),
             highest=90.0,
             why="A flank is not steeper than a wall.",
             absent=_AT_EDGE,

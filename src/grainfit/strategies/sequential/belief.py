@@ -13,7 +13,6 @@ from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import handicaps, log_time_steps
 from grainfit.problem import Problem
-from grainfit.strategies.budget import runs_with_scatter
 from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.sequential.answer_search import AnswerSearch
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
@@ -143,11 +142,10 @@ class Belief:
         return self.metamodels.runs_needed(self.answers.closest[0], confidence)
 
     @property
-    def usual_runs(self) -> int:
-        """Number of runs that problems with such a scatter usually take in all."""
+    def scatter(self) -> float:
+        """Largest standard deviation of single evaluations, in tolerances."""
         tolerances = np.array([target.tolerance for target in self.problem.targets])
-        ratio = float((self.metamodels.noise_at(self.answers.closest[0]) / tolerances).max())
-        return runs_with_scatter(ratio, self.problem.dimension)
+        return float((self.metamodels.noise_at(self.answers.closest[0]) / tolerances).max())
 
     @cached_property
     def knowledge(self) -> ParameterKnowledge | None:

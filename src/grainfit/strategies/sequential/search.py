@@ -29,7 +29,7 @@ from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.base import Search
-from grainfit.strategies.budget import design_size
+from grainfit.strategies.budget import design_size, runs_with_scatter
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.strategies.out_of_reach import widened, widenings
 from grainfit.strategies.run_costs import RunCosts
@@ -59,11 +59,11 @@ _RUNS_TO_CONFIRM = 2
 _TRIES_OF_A_MACHINE = 3
 #: Runs that usually follow the design where the scatter is small, verification included.
 _USUAL_AFTER_DESIGN = 5
-#: The same before the scatter is known.
-_USUAL_BEFORE_ANY_RUN = 7
 #: Runs that usually narrow the intervals to a wanted half-width after the answer is known.
 _USUAL_TO_NARROW = 12
 _MOST_WIDENINGS = 4
+#: Runs that the expected scatter counts as, beside the measured one.
+_RUNS_OF_EXPECTED = 5
 
 
 def usual_design(dimension: int) -> int:
@@ -211,20 +211,40 @@ class SequentialSearch(Search):
         done = told + self._sets(evaluation.proposal for evaluation in self._others)
         usual_to_narrow = 0 if self._options.wanted_half_width is None else _USUAL_TO_NARROW
         if not self._design_is_told or self._belief is None:
-            usual = self._design_size + _USUAL_BEFORE_ANY_RUN + usual_to_narrow
-            return max(pending, min(self._allowed, usual) - told)
+            usual = self._usual_runs(self.expected_scatter)
+            return max(pending, usual + usual_to_narrow - told)
         belief = self._belief
-        left = self._allowed - told
-        if belief.seems_missed:
-            # Either it is soon established, or the budget is used.
-            return max(pending, left // 2)
-        usual = max(self._design_size + _USUAL_AFTER_DESIGN, belief.usual_runs) - done
+        usual = self._usual_runs(self._likely_scatter(belief.scatter, done)) - done
         needed = min(belief.runs_needed(self.confidence_to_stop), usual)
         if not belief.is_likely:
             needed = max(needed, _USUAL_AFTER_DESIGN)
         if knowledge := self._knowledge_to_narrow(belief):
             usual_to_narrow = knowledge.runs_needed
-        return max(pending, min(left, needed + usual_to_narrow))
+        return max(pending, needed + usual_to_narrow)
+
+    def _usual_runs(self, scatter: float) -> int:
+        """Return the usual number of parameter sets in all, with a scatter in tolerances."""
+        by_scatter = runs_with_scatter(scatter, self.problem.dimension)
+        return max(self._design_size + _USUAL_AFTER_DESIGN, by_scatter)
+
+    def _likely_scatter(self, measured: float, runs: int) -> float:
+        """Return the scatter in tolerances: few runs measure it badly, so the expected one counts.
+
+        Parameters
+        ----------
+        measured : float
+            That of the runs so far.
+        runs : int
+            Their number.
+        """
+        freedom = max(runs - self.problem.dimension - 1, 0)
+        squares = _RUNS_OF_EXPECTED * self.expected_scatter**2 + freedom * measured**2
+        return math.sqrt(squares / (_RUNS_OF_EXPECTED + freedom))
+
+    @property
+    def limit(self) -> int:
+        """The budget, or the design and 20 runs per free parameter."""
+        return self._allowed
 
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Use runs of other calibrations instead of a part of the design."""

@@ -105,6 +105,13 @@ class StagedSearch(BatchSearch):
         return self._design_runs
 
     @property
+    def limit(self) -> int:
+        """The budget, or design and step 3."""
+        return self.max_evaluations or self._design_runs + (
+            OPTIMISATION_RUNS_PER_PARAMETER * self.problem.dimension
+        )
+
+    @property
     def expected_left(self) -> int:
         """Runs of the current batch, and during the design those of a usual step 3."""
         return self._expected_proposals * len(self.problem.scopes)
