@@ -18,8 +18,8 @@ OWN = Parameter("cohesion", 0.0, 1.0)
 COUNT = 4000
 
 
-def judged(parameters: list[Parameter], *columns: np.ndarray) -> Identifiability:
-    problem = Problem(parameters, [Target("y", 1.0)])
+def judged(parameters: list[Parameter], *columns: np.ndarray, target: str = "y") -> Identifiability:
+    problem = Problem(parameters, [Target(target, 1.0)])
     points = np.column_stack(columns)
     values = np.array([list(problem.from_unit(point).values()) for point in points])
     names = tuple(parameter.name for parameter in parameters)
@@ -153,6 +153,16 @@ def test_a_parameter_that_bulk_tests_do_not_see_is_better_fixed(
     fixed, own = sorted(found.further_tests, reverse=True)
     assert fixed.startswith("wall.poissons_ratio hardly changes any common bulk test: take it out")
     assert own == "To determine cohesion: add a target of a test that responds to it."
+
+
+def test_the_angle_of_a_heap_is_not_proposed_where_it_is_a_target(
+    random: np.random.Generator,
+) -> None:
+    [proposed] = judged([ROLLING], random.random(COUNT)).further_tests
+    assert "the angle of repose of a heap (" in proposed
+    [not_again] = judged([ROLLING], random.random(COUNT), target="angle_of_repose").further_tests
+    assert "heap (" not in not_again
+    assert "angle of repose is measured already" in not_again
 
 
 def test_the_ends_of_a_narrow_interval_differ_in_what_is_shown(

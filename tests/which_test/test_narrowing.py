@@ -178,6 +178,38 @@ def test_further_tests_recommend_a_shear_test_for_cohesion_alone_and_no_drum() -
         assert "shear" not in recommended
 
 
+@pytest.mark.parametrize("test", ["", "heap.", "steep."])
+def test_what_is_measured_already_is_not_proposed(test: str) -> None:
+    angle, density = f"{test}angle_of_repose", f"{test}bulk_density"
+    rolling = further.determining_tests(ROLLING.name, [angle, density])
+    assert messages.MEASURED_ALREADY(responses="angle of repose", is_measured="is") in rolling
+    assert "heap" not in rolling
+    sliding = further.determining_tests(SLIDING.name, [angle, density])
+    assert "the bulk density" not in sliding
+    assert "a draw-down test" in sliding
+    assert "a draw-down test" not in further.determining_tests(
+        SLIDING.name, [angle, f"{test}mass_flow"]
+    )
+    frictions = (SLIDING.name, ROLLING.name)
+    assert "measure the bulk density" in further.separating_tests((DENSITY.name, *frictions))
+    both = further.separating_tests((DENSITY.name, *frictions), [density])
+    assert "give the particle density (pycnometer); a draw-down" in both
+    one = further.separating_tests((SLIDING.name, MODULUS.name), ["c.lateral_stress_ratio"])
+    assert "modulus of loading" in one
+    assert "lateral stress ratio" not in one
+    everything = [density, angle, f"{test}mass_flow", "lateral_stress_ratio"]
+    assert "are measured already" in further.separating_tests(frictions, everything)
+
+
+def test_two_tests_with_one_response_each_are_no_draw_down_test() -> None:
+    apart = ["heap.angle_of_repose", "discharge.mass_flow"]
+    assert "a draw-down test" in further.determining_tests(SLIDING.name, apart)
+    cohesion = "particle_particle.surface_energy"
+    stresses = [f"{name}.internal_friction_angle" for name in ("low", "high")]
+    assert "a shear test" in further.determining_tests(cohesion, stresses[:1])
+    assert "a shear test" not in further.determining_tests(cohesion, stresses)
+
+
 def test_a_test_is_named_as_one_that_grainfit_runs_only_if_it_is_installed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

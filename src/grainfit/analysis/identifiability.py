@@ -116,7 +116,10 @@ def assess_identifiability(
         directions=directions,
         narrowing=narrowing,
         verdicts=tuple(verdicts),
-        further_tests=(*map(separating_tests, groups), *map(determining_tests, is_open)),
+        further_tests=(
+            *(separating_tests(group, problem.responses) for group in groups),
+            *(determining_tests(name, problem.responses) for name in is_open),
+        ),
     )
 
 

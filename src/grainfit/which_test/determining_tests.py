@@ -20,7 +20,8 @@ many pairs of frictions.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.sensitivities import (
@@ -40,57 +41,128 @@ from grainfit.which_test import messages
 _ENERGY_DENSITY = "particle_particle.cohesion_energy_density"
 _DROP_TEST = "fix it from a drop test (height to which a particle rebounds"
 
-_DRAW_DOWN = "a draw-down test ({draw_down}angle of repose, mass flow)"
-_COMPRESSION = "uniaxial compression ({compression}lateral stress ratio)"
 
-#: Tests that respond to one parameter and to little else, by the parameter's name. Fields such as
-#: ``{heap}`` are the types of tests, for the calibration file, as far as they are installed.
-TESTS: Mapping[str, str] = {
+@dataclass(frozen=True)
+class _Way:
+    """A measurement that determines a parameter.
+
+    Parameters
+    ----------
+    text : str
+        Description. Fields such as ``{heap}`` are the types of tests, for the calibration file, as
+        far as they are installed.
+    responses : tuple of str
+        Responses of one test that are measured.
+    tests : int
+        Number of such tests.
+    """
+
+    text: str
+    responses: tuple[str, ...] = ()
+    tests: int = 1
+
+    def is_measured(self, measured: Collection[str]) -> bool:
+        """Return whether a calibration with these targets has it, whatever its tests are called."""
+        having = [
+            {name.rpartition(".")[0] for name in measured if name.rpartition(".")[2] == response}
+            for response in self.responses
+        ]
+        return bool(having) and len(set.intersection(*having)) >= self.tests
+
+
+_BULK_DENSITY = _Way(
+    "the bulk density ({packing}at a particle density that a pycnometer has determined)",
+    ("bulk_density",),
+)
+_DRAW_DOWN = _Way(
+    "a draw-down test ({draw_down}angle of repose, mass flow)", ("angle_of_repose", "mass_flow")
+)
+_COMPRESSION = _Way(
+    "uniaxial compression ({compression}lateral stress ratio)", ("lateral_stress_ratio",)
+)
+
+#: Measurements that respond to one parameter and to little else, by the parameter's name.
+TESTS: Mapping[str, tuple[_Way, ...]] = {
     SLIDING: (
-        "the bulk density ({packing}at a particle density that a pycnometer has determined; it "
-        "falls with sliding friction, and hardly with rolling friction); "
-        f"{_DRAW_DOWN}; or {_COMPRESSION}"
+        replace(
+            _BULK_DENSITY,
+            text="the bulk density ({packing}at a particle density that a pycnometer has "
+            "determined; it falls with sliding friction, and hardly with rolling friction)",
+        ),
+        _DRAW_DOWN,
+        _COMPRESSION,
     ),
     ROLLING: (
-        "the angle of repose of a heap ({heap}at a sliding friction that another test determines); "
-        "where rolling friction is larger than sliding friction, none of grainfit's tests "
-        "determines it well"
+        _Way(
+            "the angle of repose of a heap ({heap}at a sliding friction that another test "
+            "determines)",
+            ("angle_of_repose",),
+        ),
     ),
     RESTITUTION: (
-        f"none of grainfit's tests does; {_DROP_TEST} from a plate of the same material)"
+        _Way(f"none of grainfit's tests does; {_DROP_TEST} from a plate of the same material)"),
     ),
     WALL_SLIDING: (
-        "an inclined plane of the wall's material: the angle at which the bulk solid slides is "
-        "atan(sliding friction), so the value is known without a simulation; a heap hardly "
-        "depends on that of its cylinder"
+        _Way(
+            "an inclined plane of the wall's material: the angle at which the bulk solid slides is "
+            "atan(sliding friction), so the value is known without a simulation; a heap hardly "
+            "depends on that of its cylinder"
+        ),
     ),
     "particle_wall.rolling_friction": (
-        "an inclined plane of the wall's material: the angle at which single particles begin to "
-        "roll is atan(rolling friction), so the value is known without a simulation"
+        _Way(
+            "an inclined plane of the wall's material: the angle at which single particles begin "
+            "to roll is atan(rolling friction), so the value is known without a simulation"
+        ),
     ),
-    WALL_RESTITUTION: (f"none of grainfit's tests does; {_DROP_TEST} from the wall's material)"),
+    WALL_RESTITUTION: (
+        _Way(f"none of grainfit's tests does; {_DROP_TEST} from the wall's material)"),
+    ),
     DENSITY: (
-        "a pycnometer (density of the solid); bulk densities and mass flows are proportional to "
-        "it, and angles do not depend on it"
+        _Way(
+            "a pycnometer (density of the solid); bulk densities and mass flows are proportional "
+            "to it, and angles do not depend on it"
+        ),
     ),
     MODULUS: (
-        "uniaxial compression ({compression}modulus of loading and unloading), which alone "
-        "depends on it as a bulk property; without that test, fix it: stiff enough that overlaps "
-        "do not add to the bulk density, see 'grainfit stiffness'"
+        _Way(
+            "uniaxial compression ({compression}modulus of loading and unloading), which alone "
+            "depends on it as a bulk property; without that test, fix it: stiff enough that "
+            "overlaps do not add to the bulk density, see 'grainfit stiffness'",
+            ("loading_modulus", "unloading_modulus"),
+        ),
     ),
     ASPECT_RATIO: (
-        "photographs of particles (largest extent over width); or the bulk density ({packing}at a "
-        "known particle density) beside an angle of repose: the angle grows with the aspect "
-        "ratio, the bulk density is highest near 1.5"
+        _Way("photographs of particles (largest extent over width)"),
+        _Way(
+            "the bulk density ({packing}at a known particle density) beside an angle of repose: "
+            "the angle grows with the aspect ratio, the bulk density is highest near 1.5",
+            ("bulk_density", "angle_of_repose"),
+        ),
     ),
     "particle_particle.surface_energy": (
-        "a shear test ({shear}angle of internal friction) at two normal stresses or more: their "
-        "yield locus has a cohesion"
+        _Way(
+            "a shear test ({shear}angle of internal friction) at two normal stresses or more: "
+            "their yield locus has a cohesion",
+            ("internal_friction_angle",),
+            tests=2,
+        ),
     ),
     _ENERGY_DENSITY: (
-        "the angle of repose of a heap ({heap}at frictions that tests of the dry material "
-        "determine)"
+        _Way(
+            "the angle of repose of a heap ({heap}at frictions that tests of the dry material "
+            "determine)",
+            ("angle_of_repose",),
+        ),
     ),
+}
+
+#: Limits of what bulk tests say of a parameter.
+_LIMITS = {
+    ROLLING: (
+        "where rolling friction is larger than sliding friction, none of grainfit's tests "
+        "determines it well"
+    )
 }
 
 #: Parameters that a laboratory measures on their own, so that they need not be free.
@@ -113,23 +185,31 @@ _FRICTIONS = frozenset({SLIDING, ROLLING})
 _FROM_BULK_TESTS = _FRICTIONS | {MODULUS}
 
 
-def determining_tests(name: str) -> str:
-    """Return sentences with a test that would determine an open parameter."""
+def determining_tests(name: str, measured: Collection[str] = ()) -> str:
+    """Return sentences with a test that would determine an open parameter.
+
+    Parameters
+    ----------
+    name : str
+        The parameter.
+    measured : collection of str
+        Names of the targets that there are, which are not proposed again.
+    """
     if plain_name(name) in BETTER_FIXED:
         return better_fixed(name)
-    return messages.TO_DETERMINE(name=name, how=how_to_determine(name))
+    return messages.TO_DETERMINE(name=name, how=how_to_determine(name, measured))
 
 
-def other_measurement(name: str) -> str:
+def other_measurement(name: str, measured: Collection[str] = ()) -> str:
     """Return sentences on an open parameter that no bulk test settles; "" if nothing is known."""
     plain = plain_name(name)
     is_known = plain in {*TESTS, *BETTER_FIXED} and plain not in _FROM_BULK_TESTS
-    return determining_tests(name) if is_known else ""
+    return determining_tests(name, measured) if is_known else ""
 
 
-def separating_tests(names: tuple[str, ...]) -> str:
+def separating_tests(names: tuple[str, ...], measured: Collection[str] = ()) -> str:
     """Return sentences with tests that would tell parameters apart."""
-    return messages.TO_TELL_APART(names=in_a_row(names), how=how_to_tell_apart(names))
+    return messages.TO_TELL_APART(names=in_a_row(names), how=how_to_tell_apart(names, measured))
 
 
 def better_fixed(name: str) -> str:
@@ -137,31 +217,54 @@ def better_fixed(name: str) -> str:
     return messages.BETTER_FIXED(name=name, where=BETTER_FIXED[plain_name(name)])
 
 
-def how_to_determine(name: str) -> str:
+def how_to_determine(name: str, measured: Collection[str] = ()) -> str:
     """Return the tests that determine a parameter, up to the end of a sentence."""
-    tests = TESTS.get(plain_name(name))
-    return messages.ADD_A_TARGET() if tests is None else f"{_with_types(tests)}."
+    plain = plain_name(name)
+    if plain not in TESTS:
+        return messages.ADD_A_TARGET()
+    limit = f"; {_LIMITS[plain]}" if plain in _LIMITS else ""
+    how = _described(TESTS[plain], measured) or _measured_already(TESTS[plain])
+    return f"{how}{limit}."
 
 
-def how_to_tell_apart(names: tuple[str, ...]) -> str:
+def how_to_tell_apart(names: tuple[str, ...], measured: Collection[str] = ()) -> str:
     """Return the tests that tell parameters apart, up to the end of a sentence."""
     if set(names) >= _FRICTIONS and set(names) <= {*_FRICTIONS, DENSITY}:
-        tests = f"{_bulk_density(names)}; {_DRAW_DOWN}; or {_COMPRESSION}"
-        return messages.ANGLES_DO_NOT_HELP(tests=_with_types(tests))
-    known = [
-        f"for {name}, {_with_types(own)}"
-        for name in names
-        if (own := TESTS.get(plain_name(name))) is not None
-    ]
+        ways = (_BULK_DENSITY, _DRAW_DOWN, _COMPRESSION)
+        if DENSITY in names:
+            density = "give the particle density (pycnometer)"
+            if not _BULK_DENSITY.is_measured(measured):
+                density += " and measure the bulk density"
+            ways = (_Way(density), *ways[1:])
+        tests = _described(ways, measured) or _measured_already(ways)
+        return messages.ANGLES_DO_NOT_HELP(tests=tests)
+    known = [name for name in names if plain_name(name) in TESTS]
     if not known:
         return messages.ADD_A_TARGET_OF_ONE()
-    return messages.DETERMINE_ONE(tests="; ".join(known))
+    ways_of = {name: TESTS[plain_name(name)] for name in known}
+    found = [
+        f"for {name}, {own}"
+        for name, ways in ways_of.items()
+        if (own := _described(ways, measured))
+    ]
+    if not found:
+        found = [f"for {name}, {_measured_already(ways)}" for name, ways in ways_of.items()]
+    return messages.DETERMINE_ONE(tests="; ".join(found))
 
 
-def _bulk_density(names: tuple[str, ...]) -> str:
-    if DENSITY in names:
-        return "give the particle density (pycnometer) and measure the bulk density"
-    return "the bulk density ({packing}at a particle density that a pycnometer has determined)"
+def _described(ways: Sequence[_Way], measured: Collection[str]) -> str:
+    """Return the measurements that are not there yet; "" if all are."""
+    left = [_with_types(way.text) for way in ways if not way.is_measured(measured)]
+    if len(left) > 1:
+        left[-1] = f"or {left[-1]}"
+    return "; ".join(left)
+
+
+def _measured_already(ways: Sequence[_Way]) -> str:
+    responses = dict.fromkeys(name.replace("_", " ") for way in ways for name in way.responses)
+    return messages.MEASURED_ALREADY(
+        responses=in_a_row(responses), is_measured="is" if len(responses) == 1 else "are"
+    )
 
 
 def _with_types(tests: str) -> str:

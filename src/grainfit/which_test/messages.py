@@ -12,6 +12,10 @@ BETTER_FIXED = Message(
 ADD_A_TARGET = Message("add a target of a test that responds to it.")
 ADD_A_TARGET_OF_ONE = Message("add a target of a test that responds to one of them only.")
 DETERMINE_ONE = Message("determine one of them; {tests}.")
+MEASURED_ALREADY = Message(
+    "{responses} {is_measured} measured already; a smaller uncertainty narrows it, and 'grainfit "
+    "advise' computes which further test does"
+)
 ANGLES_DO_NOT_HELP = Message(
     "{tests}. Another angle does not help: heap, rotating drum and angle of internal friction "
     "depend on both frictions in nearly the same way."

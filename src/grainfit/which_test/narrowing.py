@@ -109,10 +109,11 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     estimate = _Estimate(Knowledge.of_intervals(free), spreads, slopes, _errors(problem, responses))
     tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
     widths = estimate.narrowing()
+    measured = problem.responses
     notes = (
         *(() if are_dry_spheres(solvers, material) else (messages.SLOPES_OF_DRY_SPHERES(),)),
-        *([_note_on_unrecorded(unrecorded, widths)] if unrecorded else ()),
-        *_notes(estimate, tests, about="at least" if unrecorded else "about"),
+        *([_note_on_unrecorded(unrecorded, widths, measured)] if unrecorded else ()),
+        *_notes(estimate, tests, measured, about="at least" if unrecorded else "about"),
         *map(better_fixed, without_effect),
     )
     return ExpectedNarrowing(widths, notes)
@@ -181,13 +182,15 @@ class _Estimate:
         return [tuple(sorted(group, key=self.before.names.index)) for group in groups]
 
 
-def _note_on_unrecorded(unrecorded: Sequence[str], widths: Mapping[str, float]) -> str:
+def _note_on_unrecorded(
+    unrecorded: Sequence[str], widths: Mapping[str, float], measured: Sequence[str]
+) -> str:
     """Return sentences on parameters whose effect is not recorded."""
     them, they_were = ("it", "it was") if len(unrecorded) == 1 else ("them", "they were")
     parts = [messages.EFFECT_NOT_RECORDED(names=in_a_row(unrecorded), them=them)]
     if widths:
         parts.append(messages.OPEN_EVEN_SO(they_were=they_were, kept=_kept(widths, widths)))
-    return " ".join([*parts, *map(determining_tests, unrecorded)])
+    return " ".join([*parts, *(determining_tests(name, measured) for name in unrecorded)])
 
 
 def _kept(names: Iterable[str], widths: Mapping[str, float]) -> str:
@@ -195,18 +198,22 @@ def _kept(names: Iterable[str], widths: Mapping[str, float]) -> str:
     return in_a_row(shares)
 
 
-def _notes(estimate: _Estimate, tests: str, about: str) -> Iterator[str]:
+def _notes(estimate: _Estimate, tests: str, measured: Sequence[str], about: str) -> Iterator[str]:
     widths = estimate.narrowing()
     is_open = [name for name, width in widths.items() if width > _OPEN]
     unseen = [name for name in is_open if estimate.narrowing_alone(name) > _OPEN]
     for group in estimate.groups([name for name in is_open if name not in unseen]):
-        yield _note_on_group(group, widths, tests, about)
+        yield _note_on_group(group, widths, tests, measured, about)
     for name in unseen:
-        yield messages.NOT_DETERMINED(name=name, tests=tests, how=how_to_determine(name))
+        yield messages.NOT_DETERMINED(name=name, tests=tests, how=how_to_determine(name, measured))
 
 
 def _note_on_group(
-    group: tuple[str, ...], widths: Mapping[str, float], tests: str, about: str
+    group: tuple[str, ...],
+    widths: Mapping[str, float],
+    tests: str,
+    measured: Sequence[str],
+    about: str,
 ) -> str:
     """Return sentences on those that stay open, and on those that need not be free."""
     easy = [name for name in group if plain_name(name) in DIRECT and widths[name] <= _OPEN]
@@ -219,7 +226,7 @@ def _note_on_group(
             while_free=while_free,
             about=about,
             share=100 * widths[hard[0]],
-            how=how_to_determine(hard[0]),
+            how=how_to_determine(hard[0], measured),
         )
     return messages.HARDLY_TOLD_APART(
         names=in_a_row(hard),
@@ -227,5 +234,5 @@ def _note_on_group(
         while_free=while_free,
         about=about,
         kept=_kept([name for name in hard if widths[name] > _OPEN], widths),
-        how=how_to_tell_apart(group),
+        how=how_to_tell_apart(group, measured),
     )

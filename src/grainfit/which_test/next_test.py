@@ -97,6 +97,8 @@ class OpenParameters:
         Covariance of all free parameters.
     seconds : float
         Wall time of one parameter set in the tests of today, s.
+    measured : tuple of str
+        Names of the targets that there are.
     """
 
     parameters: tuple[Parameter, ...]
@@ -104,6 +106,7 @@ class OpenParameters:
     values: Mapping[str, float]
     knowledge: Knowledge
     seconds: float
+    measured: tuple[str, ...] = ()
 
     def after(self, tests: Sequence[Candidate]) -> Prospect:
         """Return the parameters as they would be known after further tests."""
@@ -211,7 +214,9 @@ class Advice(Summary):
             tests = in_a_row([t.name for t in self.best_pair.tests])
             sentences.append(messages.PAIR_LEAVES(tests=tests, left=self._left_by(self.best_pair)))
         sentences += [
-            messages.NOT_SETTLED_BY_ANY(name=name, otherwise=other_measurement(name)).rstrip()
+            messages.NOT_SETTLED_BY_ANY(
+                name=name, otherwise=other_measurement(name, self.today.measured)
+            ).rstrip()
             for name in self.unsettled
         ]
         return sentences

@@ -126,4 +126,6 @@ def _today(
     intervals = saved.intervals
     free = [p for p in saved.problem.parameters if intervals[p.name].determination != "determined"]
     seconds = sum(seconds_of(solver, medians) for solver in solvers.values())
-    return OpenParameters(tuple(free), intervals, medians, knowledge, seconds)
+    return OpenParameters(
+        tuple(free), intervals, medians, knowledge, seconds, saved.problem.responses
+    )
