@@ -18,6 +18,7 @@ from test_solvers_read_cards import write_yade
 import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.cards import CardParameter, MaterialCard, render
+from grainfit.contact_models.dmt.model import pull_off_force
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.contact_models.registry import in_order, material_parameter
 from grainfit.errors import InputError
@@ -155,39 +156,40 @@ O.bodies.append(utils.sphere((0.00499, 0, 0.00499), 0.005, material=particle))
 O.bodies.append(utils.wall(0, axis=2, material=wall_steel))
 O.bodies.append(utils.wall(0, axis=0, material=wall_acrylic))
 O.step()
-for number, name, material in ((1, "steel", wall_steel), (2, "acrylic", wall_acrylic)):
+set_contacts_on_walls()
+for number, name in ((1, "steel"), (2, "acrylic")):
     physics = O.interactions[0, number].phys
-    print("WALL", name, physics.tangensOfFrictionAngle, O.materials[material].young, flush=True)
+    numbers = physics.tangensOfFrictionAngle, physics.kno, physics.maxBendPl, physics.adhesionForce
+    print("WALL", name, *numbers, flush=True)
 """
 
 
 @needs.YADE
-def test_yade_has_a_material_for_each_wall(two_walls: MaterialCard, tmp_path: Path) -> None:
-    write_yade(render(two_walls, "yade"), YADE, tmp_path / "in.test.py")
+def test_yade_gives_contacts_the_values_of_their_wall(
+    two_walls: MaterialCard, tmp_path: Path
+) -> None:
+    rolling = {"steel": 0.05, "acrylic": 0.08}
+    changes = {f"particle_wall.{w}.rolling_friction": v for w, v in rolling.items()}
+    changes |= {f"particle_wall.{w}.surface_energy": 10 * v for w, v in rolling.items()}
+    values = {**two_walls.values, **changes, "particle_particle.surface_energy": 0.6}
+    sticky = replace(two_walls, parameters=tuple(_parameters(values)), contact_models=("dmt",))
+    write_yade(render(sticky, "yade"), YADE, tmp_path / "in.test.py")
     undamped = {name: 0.0 if "rolling_damping" in name else value for name, value in FIXED.items()}
     solver: DeckSolver = DEM_PROGRAMS["yade"](Heap(SIZES), undamped)
     run_process(solver._command(Path("in.test.py")), Workspace(tmp_path, 60.0))
 
     log = (tmp_path / "solver.log").read_text(errors="replace").splitlines()
-    found = [line.split()[1:] for line in log if line.startswith("WALL ")]
-    assert {name: float(friction) for name, friction, _ in found} == pytest.approx(FRICTION)
-    assert [float(young) for _, _, young in found] == [1e6, 4e6]
-
-
-def test_yade_says_for_each_wall_what_it_replaces(two_walls: MaterialCard) -> None:
-    shares = {"steel": 0.05, "acrylic": 0.08}
-    changes = {f"particle_wall.{w}.rolling_friction": v for w, v in shares.items()}
-    changes |= {f"particle_wall.{w}.surface_energy": 10 * v for w, v in shares.items()}
-    values = {**two_walls.values, **changes, "particle_particle.surface_energy": 0.6}
-    sticky = replace(two_walls, parameters=tuple(_parameters(values)), contact_models=("dmt",))
-    text = render(sticky, "yade")
-
-    assert (
-        "is that of a surface energy of 0.3 and 0.4 J/m^2; that of the material is\n"
-        "#       0.5 on wall steel,\n"
-        "#       0.8 on wall acrylic.\n"
-    ) in text
-    assert "#       0.05 on wall steel,\n#       0.08 on wall acrylic.\n" in text
+    found = {line.split()[1]: line.split()[2:] for line in log if line.startswith("WALL ")}
+    assert found.keys() == FRICTION.keys()
+    for wall, numbers in found.items():
+        young = particle_moduli(material_on(values, wall), "wall").young
+        expected = [
+            FRICTION[wall],
+            4 / 3 * young * math.sqrt(RADIUS),
+            rolling[wall] * RADIUS,
+            pull_off_force(10 * rolling[wall], RADIUS),
+        ]
+        assert [float(number) for number in numbers] == pytest.approx(expected)
 
 
 def test_tables_and_data_have_every_wall(two_walls: MaterialCard) -> None:

@@ -145,6 +145,7 @@ def test_a_law_knows_the_models_that_a_solver_lacks_and_the_parameters_it_needs(
         "particle_particle.restitution",
         "particle_wall.restitution",
         "particle_particle.rolling_friction",
+        "particle_wall.rolling_friction",
     }
 
 

@@ -12,7 +12,6 @@ from typing import ClassVar, NamedTuple
 
 from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
-from grainfit.materials.walls import on_wall, walls_among
 
 
 class YadeArgument(NamedTuple):
@@ -27,7 +26,7 @@ class YadeKeywords(SolverKeywords, ABC):
     """Keywords of a contact model for YADE.
 
     Without a ``MatchMaker``, a functor has one number for all contacts: that of two equal
-    particles of mean size. Decks write those of walls into the contacts themselves.
+    particles of mean size. Decks and cards write those of walls into the contacts themselves.
     """
 
     solver: ClassVar[str] = "yade"
@@ -53,25 +52,6 @@ class YadeKeywords(SolverKeywords, ABC):
     def notes(self, contact: Contact) -> str:  # noqa: ARG002 (a door)
         """Return differences in the meaning of the parameters in YADE, in lines of text."""
         return ""
-
-
-def values_on_walls(contact: Contact, key: str) -> str:
-    """Return the end of a note: the values on walls, where YADE takes that of two particles.
-
-    Parameters
-    ----------
-    contact : Contact
-        Of two particles.
-    key : str
-        Parameter of contacts.
-    """
-    parameter = f"particle_wall.{key}"
-    lines = [
-        f"      {value!r} on {f'wall {wall}' if wall else 'the wall'}"
-        for wall in walls_among(contact.material)
-        if (value := contact.material.get(on_wall(parameter, wall))) is not None
-    ]
-    return "; that of the material is\n" + ",\n".join(lines) if lines else ""
 
 
 def yade_keywords(law: ContactLaw) -> list[YadeKeywords]:

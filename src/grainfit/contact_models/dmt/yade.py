@@ -6,16 +6,13 @@ from collections.abc import Sequence
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.dmt.model import pull_off_force
-from grainfit.contact_models.yade import YadeArgument, YadeKeywords, values_on_walls
+from grainfit.contact_models.yade import YadeArgument, YadeKeywords
 from grainfit.materials.equations import Equation
 
 _NOTES = """\
-COHESION: gamma is the surface energy (the work of adhesion is twice as much), one for all contacts:
-that of two particles.
-    - On a Wall, YADE takes half the radius as R*, on a Facet two thirds: the pull-off force there
-      is that of a surface energy of {on_wall:.6g} and {on_facet:.6g} J/m^2{on_walls}.
-    - YADE limits damping to the pull-off force where bodies part: with hardly any cohesion, bodies
-      with a restitution of 0.79 part with 0.80, those with 0.3 with 0.42."""
+Cohesion: gamma is one for all contacts, that of two particles. Damping is limited to the pull-off
+force where bodies part: with hardly any cohesion, bodies with a restitution of 0.79 part with 0.80,
+those with 0.3 with 0.42."""
 
 
 class DmtYade(YadeKeywords):
@@ -43,11 +40,6 @@ class DmtYade(YadeKeywords):
         per_radius = pull_off_force(contact.value("surface_energy"), 1.0)
         return (YadeArgument("adhesionForce", f"{per_radius} * radius", "N"),)
 
-    def notes(self, contact: Contact) -> str:
+    def notes(self, contact: Contact) -> str:  # noqa: ARG002 (for all contacts)
         """Return the differences of YADE's adhesion, in lines of text."""
-        energy = contact.value("surface_energy")
-        return _NOTES.format(
-            on_wall=energy / 2,
-            on_facet=2 * energy / 3,
-            on_walls=values_on_walls(contact, "surface_energy"),
-        )
+        return _NOTES

@@ -6,19 +6,17 @@ from collections.abc import Sequence
 
 from grainfit.contact_models.contact import TYPICAL_LOAD, Contact
 from grainfit.contact_models.epsd.model import rolling_spring_of
-from grainfit.contact_models.yade import YadeArgument, YadeKeywords, values_on_walls
+from grainfit.contact_models.yade import YadeArgument, YadeKeywords
 from grainfit.materials.equations import Equation
 
 _NOTES = """\
-ROLLING FRICTION DOES NOT: repeat the bulk test in YADE before you rely on the values.
-    - YADE has one krot (the k_r above) and one eta for all contacts. Here they are those of two
-      particles with a diameter of {diameter} m.
-    - On a Wall, eta acts as a rolling friction of {on_wall:.6g}, on a Facet of {on_facet:.6g}{on_walls}."""  # noqa: E501 (lines of a card)
+Rolling: YADE has one krot (the k_r above) and one eta for all contacts. Here they are those of two
+particles with a diameter of {diameter} m."""
 #: Limit of the moment of both rolling models.
 ROLLING_LIMIT = Equation(
     "rolling limit",
     "|M_r| <= eta (R_1 + R_2)/2 |F|",
-    "eta: mu_r/2, so that it is mu_r R* |F| of two equal spheres",
+    "eta: mu_r/2, so that it is mu_r R* |F| of two equal spheres, and on a wall",
 )
 #: When the rolling spring is taken, which is a constant.
 CONSTANT = f"at F_e of {TYPICAL_LOAD:g} particle weights, between particles of mean size"
@@ -36,7 +34,6 @@ class EpsdYade(YadeKeywords):
     unused: tuple[str, ...] = (
         "particle_particle.rolling_damping",
         "particle_wall.rolling_damping",
-        "particle_wall.rolling_friction",
     )
 
     def stiffness(self, contact: Contact) -> float:
@@ -72,12 +69,7 @@ class EpsdYade(YadeKeywords):
 
     def notes(self, contact: Contact) -> str:
         """Return the differences of YADE's rolling friction, in lines of text."""
-        return _NOTES.format(
-            diameter=2 * contact.radius,
-            on_wall=_eta(contact),
-            on_facet=1.5 * _eta(contact),
-            on_walls=values_on_walls(contact, "rolling_friction"),
-        )
+        return _NOTES.format(diameter=2 * contact.radius)
 
 
 def _eta(contact: Contact) -> float:

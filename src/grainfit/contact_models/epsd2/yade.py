@@ -16,7 +16,7 @@ class Epsd2Yade(EpsdYade):
         Equation("rolling spring", "k_r = k_t R*^2", f"constant, {CONSTANT}"),
         ROLLING_LIMIT,
     )
-    unused = ("particle_wall.rolling_friction",)
+    unused = ()
 
     def stiffness(self, contact: Contact) -> float:
         """Return the stiffness of the rolling force with the lever R*, N/m."""

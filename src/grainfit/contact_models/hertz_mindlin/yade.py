@@ -9,6 +9,8 @@ from grainfit.contact_models.hertz_mindlin.model import particle_moduli
 from grainfit.contact_models.yade import YadeArgument, YadeKeywords
 from grainfit.materials.equations import Equation
 
+#: R* of a particle on a wall in YADE over its radius; on a ``Facet`` it is two thirds.
+WALL_RADIUS_SHARE = 1 / 2
 #: 1/Pa: a body that hardly deforms, in place of one that does not at all.
 _LEAST_COMPLIANCE = 1e-30
 
@@ -58,7 +60,7 @@ class HertzMindlinYade(YadeKeywords):
         )
 
 
-def wall_modulus(material: Mapping[str, float], radius_share: float) -> float:
+def wall_modulus(material: Mapping[str, float], radius_share: float = WALL_RADIUS_SHARE) -> float:
     """Return the Young's modulus that gives contacts with a wall their stiffness in YADE, Pa.
 
     YADE takes R* of a particle on a wall as a share of its radius, so that contacts would be

@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from grainfit.contact_models.yade import yade_keywords, yade_law, yade_physics
+from grainfit.contact_models.base import ContactLaw
+from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
+from grainfit.contact_models.yade import (
+    YadeArgument,
+    yade_keywords,
+    yade_law,
+    yade_on_wall,
+    yade_physics,
+)
 from grainfit.materials.card import MaterialCard
-from grainfit.materials.walls import on_wall
+from grainfit.materials.walls import material_on, on_wall
 from grainfit.solvers.dem.card_clumps import card_clumps, clump_comments
 from grainfit.solvers.dem.card_parts import (
     fill_card,
@@ -22,19 +30,43 @@ from grainfit.solvers.dem.yade.clump_shares import clump_shares
 
 
 class _Wall(NamedTuple):
-    """A wall in the card: name of its variable, its sections, and whether its density is known."""
+    """A wall in the card.
+
+    Parameters
+    ----------
+    variable, body, contact : str
+        Name of its variable, and its sections.
+    has_density : bool
+        Whether its density is known.
+    young : float
+        Young's modulus that gives contacts on a ``Wall`` their stiffness, Pa.
+    attributes : list of YadeArgument
+        What its contacts get that no functor gives them.
+    """
 
     variable: str
     body: str
     contact: str
     has_density: bool
+    young: float
+    attributes: list[YadeArgument]
 
 
-def _wall(name: str, material: Mapping[str, float]) -> _Wall:
+def _wall(
+    name: str, law: ContactLaw, material: Mapping[str, float], sphere: SphereTypes, gravity: float
+) -> _Wall:
     body, contact = (
         on_wall(f"{section}.", name).removesuffix(".") for section in ("wall", "particle_wall")
     )
-    return _Wall(f"wall_{name}" if name else "wall", body, contact, f"{body}.density" in material)
+    values = material_on(material, name)
+    return _Wall(
+        f"wall_{name}" if name else "wall",
+        body,
+        contact,
+        f"{body}.density" in material,
+        wall_modulus(values),
+        yade_on_wall(law, sphere.on_wall(values, 1, gravity)),
+    )
 
 
 def render_yade(card: MaterialCard) -> str:
@@ -48,7 +80,8 @@ def render_yade(card: MaterialCard) -> str:
     card = simulated_card(card)
     material, law = require_material(card, "yade")
     sizes = require_sizes(card, "yade")
-    contact = SphereTypes.mean_of(sizes).between(material, 1, 1, card.gravity)
+    sphere = SphereTypes.mean_of(sizes)
+    contact = sphere.between(material, 1, 1, card.gravity)
     keywords = yade_keywords(law)
     return fill_card(
         "yade",
@@ -61,6 +94,8 @@ def render_yade(card: MaterialCard) -> str:
             "notes": model_notes(found.notes(contact) for found in keywords),
             "physics": yade_physics(law, contact),
             "law": ", ".join(f"{name}={value}" for name, value, _ in yade_law(law, contact)),
-            "walls": [_wall(wall, material) for wall in walls_of_card(card)],
+            "walls": [
+                _wall(wall, law, material, sphere, card.gravity) for wall in walls_of_card(card)
+            ],
         },
     )

@@ -36,8 +36,6 @@ MISSING: Mapping[str, str] = {
     "annulus": _EDGES.format(instead="a slot, a cone, or "),
     "mesh": _EDGES.format(instead=""),
 }
-#: R* of a particle on a wall in YADE over its radius.
-_RADIUS_SHARE = 1 / 2
 #: Thickness of the panels of tubes, and of discs, in Sauter diameters; width of panels.
 _THICKNESS, _PANEL = 0.5, 0.95
 _FEWEST_PANELS, _DISC_CORNERS = 24, 24
@@ -178,7 +176,7 @@ class YadeSceneDeck(SceneDeck):
         """Iterate over surface, Young's modulus and Poisson's ratio."""
         for surface in self._surfaces():
             material = self.scene.material_on(surface)
-            young = wall_modulus(material, _RADIUS_SHARE)
+            young = wall_modulus(material)
             yield surface, young, material["particle.poissons_ratio"]
 
     def _surfaces(self) -> list[str]:
