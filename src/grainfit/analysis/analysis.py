@@ -64,6 +64,7 @@ def analyse(
     *,
     seed: int = 1,
     answer: Mapping[str, float] | None = None,
+    biases: Mapping[str, str] | None = None,
 ) -> Analysis:
     """Analyse the runs of a calibration; too few runs are not an error.
 
@@ -78,6 +79,8 @@ def analyse(
     answer : mapping of str to float, optional
         The calibrated values, which the intervals hold; if there are many runs, those near them
         are preferred.
+    biases : mapping of str to str, optional
+        Reasons why parameters are biased, by name; see `soft_particles.known_biases`.
 
     Returns
     -------
@@ -91,13 +94,13 @@ def analyse(
     ('There is no run yet that yielded a response: nothing can be said.',)
     """
     with threadpool_limits(limits=1, user_api="blas"):
-        found = analyse_parameters(problem, evaluations, seed=seed, answer=answer)
+        found = analyse_parameters(problem, evaluations, seed=seed, answer=answer, biases=biases)
         if found.metamodels is None or found.posterior is None:
             return found
         return replace(
             found,
             sensitivity=estimate_sensitivity(found.metamodels, seed=seed),
-            identifiability=assess_identifiability(found.posterior, problem, answer),
+            identifiability=assess_identifiability(found.posterior, problem, answer, biases),
             pareto=pareto_front(found.metamodels, seed=seed),
         )
 
@@ -108,12 +111,13 @@ def analyse_parameters(
     *,
     seed: int = 1,
     answer: Mapping[str, float] | None = None,
+    biases: Mapping[str, str] | None = None,
 ) -> Analysis:
     """Return the part of `analyse` that the result of a calibration has: the 95 % intervals.
 
     Parameters
     ----------
-    problem, evaluations, seed, answer
+    problem, evaluations, seed, answer, biases
         As for `analyse`.
 
     Returns
@@ -130,7 +134,7 @@ def analyse_parameters(
             metamodels=fitted.reduced,
             quality=metamodel_quality(fitted.whole, spread=_is_spread(fitted.runs)),
             posterior=posterior,
-            intervals=parameter_intervals(posterior, problem, answer),
+            intervals=parameter_intervals(posterior, problem, answer, biases),
             notes=(*fitted.notes, *(() if posterior.converged else (posterior.convergence,))),
         )
 

@@ -80,7 +80,10 @@ class Identifiability:
 
 
 def assess_identifiability(
-    posterior: Posterior, problem: Problem, answer: Mapping[str, float] | None = None
+    posterior: Posterior,
+    problem: Problem,
+    answer: Mapping[str, float] | None = None,
+    biases: Mapping[str, str] | None = None,
 ) -> Identifiability:
     """Find the parameters that the tests determine, and those that they leave open.
 
@@ -92,13 +95,15 @@ def assess_identifiability(
         Has the intervals and units of the parameters.
     answer : mapping of str to float, optional
         The calibrated values, which the intervals hold; see `parameter_intervals`.
+    biases : mapping of str to str, optional
+        Reasons why parameters are biased, by name.
 
     Returns
     -------
     Identifiability
     """
     directions = _directions(posterior, posterior.names)
-    intervals = parameter_intervals(posterior, problem, answer)
+    intervals = parameter_intervals(posterior, problem, answer, biases)
     narrowing = {p.name: _narrowing(p, intervals[p.name]) for p in problem.parameters}
     own = {p.name for p in problem.measured}
     groups = _inseparable(posterior, {n: w for n, w in narrowing.items() if n not in own})
@@ -246,12 +251,13 @@ def _verdict(
         return f"{name} is known from its own measurement: {between} with 95 % probability."
     if found.determination == "not determined":
         return f"{name} is not determined: {_what_fits(posterior, parameter)} fits."
+    but = f", but biased: {found.bias}" if found.bias else ""
     if found.determination == "narrowed":
-        return f"{name} is only narrowed: {between} with 95 % probability."
+        return f"{name} is only narrowed: {between} with 95 % probability{but}."
     value = posterior.median(name) if answer is None else answer
     if share := found.percentage(value):
-        return f"{name} is determined to {share} ({between})."
-    return f"{name} is determined: {between} with 95 % probability."
+        return f"{name} is determined to {share} ({between}){but}."
+    return f"{name} is determined: {between} with 95 % probability{but}."
 
 
 def _what_fits(posterior: Posterior, parameter: Parameter) -> str:

@@ -13,7 +13,10 @@ _LEVEL = 0.95
 
 
 def parameter_intervals(
-    posterior: Posterior, problem: Problem, answer: Mapping[str, float] | None = None
+    posterior: Posterior,
+    problem: Problem,
+    answer: Mapping[str, float] | None = None,
+    biases: Mapping[str, str] | None = None,
 ) -> dict[str, ParameterInterval]:
     """Return the 95 % interval of each parameter, which holds the answer.
 
@@ -31,21 +34,28 @@ def parameter_intervals(
         Has the intervals before the tests.
     answer : mapping of str to float, optional
         The calibrated values; without them, the intervals are equal-tailed.
+    biases : mapping of str to str, optional
+        Reasons why parameters are biased, by name.
 
     Returns
     -------
     dict of str to ParameterInterval
     """
     return {
-        parameter.name: _interval(posterior, parameter, (answer or {}).get(parameter.name))
+        parameter.name: _interval(
+            posterior,
+            parameter,
+            (answer or {}).get(parameter.name),
+            (biases or {}).get(parameter.name, ""),
+        )
         for parameter in problem.parameters
     }
 
 
 def _interval(
-    posterior: Posterior, parameter: Parameter, answer: float | None
+    posterior: Posterior, parameter: Parameter, answer: float | None, bias: str
 ) -> ParameterInterval:
     low, high = posterior.interval(parameter.name, _LEVEL)
     if answer is not None:
         low, high = min(low, answer), max(high, answer)
-    return interval_of(parameter, low, high)
+    return interval_of(parameter, low, high, bias)

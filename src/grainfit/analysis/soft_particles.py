@@ -75,6 +75,38 @@ def stiffness_notes(
     )
 
 
+def known_biases(
+    problem: Problem,
+    tests: Mapping[str, BulkTest],
+    fixed: Mapping[str, float],
+    answer: Mapping[str, float] | None = None,
+) -> dict[str, str]:
+    """Return the reasons why free parameters are biased, by name.
+
+    What soft particles add to a response goes into the density of the particles; where that is not
+    free, into all parameters that the response depends on.
+
+    Parameters
+    ----------
+    problem, tests, fixed, answer
+        As of `stiffness_notes`.
+    """
+    material = {**fixed, **(answer or problem.middle)}
+    if min(material.get(name, 0.0) for name in (DENSITY, MODULUS)) <= 0:
+        return {}
+    free = {parameter.name for parameter in problem.parameters}
+    reasons: dict[str, list[str]] = {}
+    for name, test in _raised_targets(problem, tests).items():
+        excess = overlap_law(test).excess(stiffness_number(test, material))
+        if excess < _WORTH_A_NOTE:
+            continue
+        info = test.responses[name.rpartition(".")[2]]
+        slopes = info.sensitivities.slopes if info.sensitivities else {}
+        for biased in [DENSITY] if DENSITY in free else sorted(free.intersection(slopes)):
+            reasons.setdefault(biased, []).append(f"{name} by about {_percent(excess)} %")
+    return {name: f"soft particles raise {in_a_row(found)}" for name, found in reasons.items()}
+
+
 def _raised_targets(problem: Problem, tests: Mapping[str, BulkTest]) -> dict[str, BulkTest]:
     targets = {target.name for target in problem.targets}
     found = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from grainfit.calibration import messages
@@ -10,7 +10,9 @@ from grainfit.errors import GrainfitError
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem
 from grainfit.result import Result
+from grainfit.solvers.base import Solver
 from grainfit.strategies.distinct_runs import distinct_runs
+from grainfit.which_test.available import material_of
 
 
 def with_intervals(
@@ -18,6 +20,7 @@ def with_intervals(
     problem: Problem,
     evaluations: Sequence[Evaluation],
     warm_start: Sequence[Evaluation],
+    solvers: Mapping[str, Solver],
 ) -> Result:
     """Return the result with the intervals that report and material card show as well.
 
@@ -29,6 +32,8 @@ def with_intervals(
         The problem with the intervals that the user gave.
     evaluations, warm_start : sequence of Evaluation
         All runs of the calibration, verification included, and those of the warm start.
+    solvers : mapping of str to Solver
+        By name of the test: apparatus and stiffness of their particles may bias a parameter.
 
     Returns
     -------
@@ -39,13 +44,18 @@ def with_intervals(
         return result
     # Imported here: emcee is needed only now.
     from grainfit.analysis.analysis import analyse_parameters
+    from grainfit.analysis.soft_particles import known_biases
 
+    tests = {name: s.bulk_test for name, s in solvers.items() if s.bulk_test is not None}
     try:
         found = analyse_parameters(
             problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations]),
             distinct_runs([*evaluations, *warm_start]),
             seed=result.seed,
             answer=result.parameters,
+            biases=known_biases(
+                problem, tests, material_of(solvers, result.parameters), result.parameters
+            ),
         )
     except KeyboardInterrupt:
         # The user is in a hurry; the result must not be lost.

@@ -190,7 +190,9 @@ class CalibrationLoop:
         )
         known_runs = sum(self._origins.values())
         result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
-        result = with_intervals(result, self._problem, self._evaluations, self._known)
+        result = with_intervals(
+            result, self._problem, self._evaluations, self._known, self._campaign.solvers
+        )
         tests = tests_of_runs(self._evaluations, self._store.find_many)
         return replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
 

@@ -27,6 +27,7 @@ COLUMNS = (
     "met",
     "verdict",
     "determination",
+    "bias",
     "simulated_value",
     "coarse_graining",
     "formula",

@@ -18,8 +18,7 @@ from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.result import ParameterInterval, ResponseResult
-from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
-from grainfit.work_folder.solvers_of_runs import bulk_tests_of
+from grainfit.work_folder.saved_calibration import SavedCalibration, bulk_tests_of, read_answer
 
 
 def make_card(
@@ -93,6 +92,7 @@ def _parameters(
             "measured" if name in own else origin if name in found else "given",
             None if interval is None else (interval.low, interval.high),
             None if interval is None else interval.determination,
+            "" if interval is None else interval.bias,
         )
 
 

@@ -41,6 +41,7 @@ _VERDICT_COLOURS = {
     "in doubt": "yellow",
     "missed": "red",
     "determined": "green",
+    "determined, but biased": "yellow",
     "narrowed": "yellow",
     "not determined": "red",
 }

@@ -76,7 +76,7 @@ def status_document(folder: Path, status: WorkdirStatus) -> dict[str, Any]:
 
 
 def _parameters(result: Result) -> dict[str, Any]:
-    nothing = {"low": None, "high": None, "determination": None}
+    nothing = {"low": None, "high": None, "determination": None, "bias": ""}
     intervals = {name: asdict(found) for name, found in result.intervals.items()}
     return {
         name: {"value": value, "unit": result.units.get(name, ""), **intervals.get(name, nothing)}

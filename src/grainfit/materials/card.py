@@ -9,7 +9,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.verdict.messages import STATUS_WORDS
 
 Origin = Literal["calibrated", "not calibrated", "measured", "given"]
-Determination = Literal["determined", "narrowed", "not determined"]
+Determination = Literal["determined", "determined, but biased", "narrowed", "not determined"]
 _NOT_ENDED = "it was started again and has not come to its end"
 
 
@@ -28,8 +28,10 @@ class CardParameter:
         was free about a measurement of its own.
     interval : pair of float, optional
         95 % credible interval, which holds the value.
-    determination : {"determined", "narrowed", "not determined"}, optional
+    determination : {"determined", "determined, but biased", "narrowed", "not determined"}, optional
         Whether the runs determine it; None without an interval.
+    bias : str
+        Reason why the value is biased, as far as one is known.
     """
 
     name: str
@@ -40,6 +42,7 @@ class CardParameter:
     origin: Origin
     interval: tuple[float, float] | None = None
     determination: Determination | None = None
+    bias: str = ""
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,8 @@ def _origin(parameter: CardParameter) -> str:
 def _determination(parameter: CardParameter) -> str:
     if parameter.determination == "not determined":
         return "NOT DETERMINED"
-    return "only narrowed" if parameter.determination == "narrowed" else "determined"
+    words = "only narrowed" if parameter.determination == "narrowed" else "determined"
+    return f"{words}, but biased: {parameter.bias}" if parameter.bias else words
 
 
 def _open_parameters(card: MaterialCard) -> Iterator[str]:

@@ -29,6 +29,7 @@ _BINS = 30
 _MOST_NUMBERS = 8
 _COLORS: Mapping[Determination, str] = {
     "determined": BLUE,
+    "determined, but biased": ORANGE,
     "narrowed": ORANGE,
     "not determined": VERMILION,
 }

@@ -23,6 +23,7 @@ class ParameterRow:
     value: str
     interval: str
     determination: Determination | Literal[""]
+    bias: str
     position: float | None
     credible: tuple[float, float] | None
     searched: str
@@ -68,6 +69,7 @@ def parameter_row(
         value=_shown(value, half_width, 3 if found else 4) if value is not None else "",
         interval=" … ".join(_shown(end, half_width, 3) for end in interval) if interval else "",
         determination=found.determination if found else "",
+        bias=found.bias if found else "",
         position=None if value is None else _position(parameter, value),
         credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
         if interval

@@ -174,14 +174,22 @@ class ParameterInterval:
     ----------
     low, high : float
         Ends, SI; see `grainfit.analysis.intervals.parameter_intervals`.
-    determination : {"determined", "narrowed", "not determined"}
-        Whether the runs determine the parameter: at most a quarter of its interval fits; more; or
-        more than nine tenths.
+    determination : {"determined", "determined, but biased", "narrowed", "not determined"}
+        Whether the runs determine the parameter: at most a quarter of its interval fits, and
+        nothing is known that biases it; the same with a known bias; more; or more than nine tenths.
+    bias : str
+        Reason why the value is biased, as far as one is known.
     """
 
     low: float
     high: float
     determination: Determination
+    bias: str = ""
+
+    @property
+    def is_determined(self) -> bool:
+        """Whether the runs determine the parameter, biased or not."""
+        return self.determination in ("determined", "determined, but biased")
 
     def percentage(self, value: float) -> str:
         """Return the percentage about a value that covers the interval; "" if it is large."""
@@ -197,12 +205,22 @@ class ParameterInterval:
         --------
         >>> ParameterInterval(0.47, 0.82, "narrowed").in_words(0.6)
         'only narrowed, 0.47 to 0.82'
+        >>> soft = "soft particles raise bulk_density by about 14 %"
+        >>> ParameterInterval(0.59, 0.61, "determined, but biased", soft).in_words(0.6)
+        'determined to ±1.7 %, but biased: soft particles raise bulk_density by about 14 %'
         """
         between = with_unit(ends(self.low, self.high), unit_for_people(unit))
         if self.determination == "narrowed":
-            return f"only narrowed, {between}"
-        share = self.percentage(value) if self.determination == "determined" else ""
-        return f"determined to {share}" if share else f"{self.determination}, {between}"
+            return f"only narrowed, {between}{self._but_biased}"
+        if not self.is_determined:
+            return f"{self.determination}, {between}"
+        share = self.percentage(value)
+        words = f"determined to {share}" if share else f"determined, {between}"
+        return f"{words}{self._but_biased}"
+
+    @property
+    def _but_biased(self) -> str:
+        return f", but biased: {self.bias}" if self.bias else ""
 
 
 @dataclass(frozen=True)

@@ -139,7 +139,9 @@ class Result(Summary):
         """Return the calibrated values with their intervals, and how well they are determined."""
         rows = (self._parameter_cells(name, value) for name, value in self.parameters.items())
         header = ("parameter", "value", "95 % interval", "")
-        return TextTable(header, tuple(rows), "" if self.intervals else self._why_no_intervals)
+        biases = "; ".join(f"{name}: {i.bias}" for name, i in self.intervals.items() if i.bias)
+        caption = f"Biased: {biases}" if biases else ""
+        return TextTable(header, tuple(rows), caption if self.intervals else self._why_no_intervals)
 
     def _parameter_cells(self, name: str, value: float) -> tuple[str, ...]:
         shown, found = _with_unit(value, self.units.get(name, "")), self.intervals.get(name)

@@ -100,6 +100,7 @@ def _parameter_row(saved: SavedCalibration, parameter: Parameter, result: Result
         "value": shown.value,
         "interval": shown.interval,
         "determination": shown.determination,
+        "bias": plain(shown.bias),
         "searched": shown.searched,
         "place": shown.position,
     }

@@ -14,14 +14,26 @@ OPEN = 0.9
 _LEVEL = 0.95
 
 
-def interval_of(parameter: Parameter, low: float, high: float) -> ParameterInterval:
+def interval_of(parameter: Parameter, low: float, high: float, bias: str = "") -> ParameterInterval:
     """Return a 95 % interval with the word for its width.
 
     A parameter with a measurement of its own is determined by it.
+
+    Parameters
+    ----------
+    parameter : Parameter
+        The parameter.
+    low, high : float
+        Ends.
+    bias : str
+        Reason why the value is biased; see `grainfit.analysis.soft_particles.known_biases`.
     """
     if parameter.measured is not None:
         return ParameterInterval(low, high, "determined")
-    return ParameterInterval(low, high, determination(narrowing(parameter, low, high)))
+    word = determination(narrowing(parameter, low, high))
+    if bias and word == "determined":
+        word = "determined, but biased"
+    return ParameterInterval(low, high, word, bias)
 
 
 def narrowing(parameter: Parameter, low: float, high: float) -> float:

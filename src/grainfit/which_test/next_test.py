@@ -65,9 +65,7 @@ class Prospect:
     @property
     def settled(self) -> tuple[str, ...]:
         """Open parameters that would be determined."""
-        return tuple(
-            name for name, left in self.intervals.items() if left.determination == "determined"
-        )
+        return tuple(name for name, left in self.intervals.items() if left.is_determined)
 
     @property
     def merit(self) -> tuple[int, float]:
@@ -126,7 +124,8 @@ class OpenParameters:
         first, value, last = in_relative_units(parameter, np.array(ends)).tolist()
         low = max(min(value - half_width, last - 2 * half_width), first)
         high = min(low + 2 * half_width, last)
-        return interval_of(parameter, *in_si_units(parameter, np.array([low, high])).tolist())
+        low, high = in_si_units(parameter, np.array([low, high])).tolist()
+        return interval_of(parameter, low, high, now.bias)
 
 
 def _share(then: float, now: float) -> float:

@@ -124,7 +124,7 @@ def _today(
     solvers: Mapping[str, Solver],
 ) -> OpenParameters:
     intervals = saved.intervals
-    free = [p for p in saved.problem.parameters if intervals[p.name].determination != "determined"]
+    free = [p for p in saved.problem.parameters if not intervals[p.name].is_determined]
     seconds = sum(seconds_of(solver, medians) for solver in solvers.values())
     return OpenParameters(
         tuple(free), intervals, medians, knowledge, seconds, saved.problem.responses

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import recreate_test
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.absent_responses import failed_if_incomplete
 from grainfit.campaign.campaign import evaluation_of
@@ -220,9 +223,21 @@ class SavedCalibration:
     def _analysis(self) -> Analysis:
         # Imported here: SciPy and emcee take a second, and status and exports need neither.
         from grainfit.analysis.analysis import analyse
+        from grainfit.analysis.soft_particles import known_biases
 
-        answer = self.result.parameters if self.result else None
-        return analyse(self.problem, self.known, seed=self.seed, answer=answer or None)
+        answer = (self.result.parameters if self.result else None) or None
+        biases = known_biases(self.problem, bulk_tests_of(self), self.fixed, answer)
+        return analyse(self.problem, self.known, seed=self.seed, answer=answer, biases=biases)
+
+
+def bulk_tests_of(saved: SavedCalibration) -> dict[str, BulkTest]:
+    """Return the bulk tests of the runs, by name of the test, as far as they are known."""
+    tests = {}
+    for record in saved.records.values():
+        if record.test not in tests:
+            with suppress(InputError):
+                tests[record.test] = recreate_test(record.definition)
+    return {name: test for name, test in tests.items() if test is not None}
 
 
 def _saved(

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-
-from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.store.records import RunRecord
 from grainfit.errors import InputError
@@ -13,16 +10,6 @@ from grainfit.solvers.parameters_for import of_material
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration
-
-
-def bulk_tests_of(saved: SavedCalibration) -> dict[str, BulkTest]:
-    """Return the bulk tests of the runs, by name of the test, as far as they are known."""
-    tests = {}
-    for record in saved.records.values():
-        if record.test not in tests:
-            with suppress(InputError):
-                tests[record.test] = recreate_test(record.definition)
-    return {name: test for name, test in tests.items() if test is not None}
 
 
 def solvers_of(saved: SavedCalibration) -> dict[str, Solver]:

@@ -21,7 +21,7 @@ from grainfit.report.sections.answer.next_step import next_step
 from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result, RunCounts
-from grainfit.work_folder.solvers_of_runs import bulk_tests_of
+from grainfit.work_folder.saved_calibration import bulk_tests_of
 
 
 def answer(context: ReportContext) -> Section:
