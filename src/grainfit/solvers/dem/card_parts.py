@@ -52,7 +52,6 @@ def equations(card: MaterialCard, solver: str) -> str:
             *(f"  {equation.words}" for equation in found),
             *(f"  {c.symbol} ({c.key}): {c.meaning}" for c in law.conventions),
             *(f"  {symbol}: {meaning}" for symbol, meaning in SYMBOLS.items() if symbol in used),
-            "",
         ]
     )
 
