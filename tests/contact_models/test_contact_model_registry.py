@@ -160,6 +160,13 @@ def test_declarations_are_complete(model):
         assert parameter.lowest < parameter.highest
 
 
+def test_a_model_without_equations_or_conventions_is_incomplete():
+    assert "equations are missing" in list(replace(EPSD, equations=()).missing())
+    gaps = list(replace(EPSD, conventions=EPSD.conventions[:1]).missing())
+    assert gaps == ["the convention of rolling_damping is missing"]
+    assert list(EPSD.missing()) == []
+
+
 @pytest.fixture
 def cohesive(monkeypatch):
     """A grainfit with two more contact models."""
