@@ -71,22 +71,22 @@ def test_a_row_is_a_fresh_seed_once(wrapped: bool) -> None:
     search = [read(3, "design")]
     # Seeds 3, 4 and 5 read the first, second and third row, which hold equal values.
     again = [read(seed, "verification") for seed in (6, 4, 7, 5)]
-    assert records.stale(search, again) == {6: {"angle"}, 7: {"angle"}}
+    assert records.repetitions(search, again).stale == {6: ("angle",), 7: ("angle",)}
     elsewhere = read(8, "verification", friction=0.55)
-    assert records.stale([], [elsewhere]) == {8: {"angle"}}
+    assert records.repetitions([], [elsewhere]).stale == {8: ("angle",)}
 
 
 def test_the_mean_of_a_row_with_itself_is_no_fresh_seed() -> None:
     solver = RecordedTable(REPEATED, ["friction"], ["angle"])
     records = RecordsRead({"heap": solver}, {"heap": 2})
     once = [read(1, "verification", friction=0.7)]
-    assert records.stale([], once) == {1: {"angle"}}
+    assert records.repetitions([], once).stale == {1: ("angle",)}
 
 
 def test_runs_that_are_made_are_all_fresh() -> None:
     solver = PythonCallable(lambda friction, seed: {"angle": 0.0}, ["angle"])
     records = RecordsRead({"heap": solver}, {"heap": 1})
-    assert records.stale([read(1, "design")], [read(1, "verification")]) == {}
+    assert records.repetitions([read(1, "design")], [read(1, "verification")]).stale == {}
     assert records.missing_at({"friction": 0.5}, gf.Problem([FRICTION], [ANGLE])) == []
 
 
@@ -98,4 +98,4 @@ def test_of_several_tests_only_those_with_records_can_be_stale() -> None:
     runs = [
         Evaluation(Proposal({"friction": 0.7}, seed, "verification"), responses) for seed in (1, 2)
     ]
-    assert records.stale([], runs) == {2: {"heap.angle"}}
+    assert records.repetitions([], runs).stale == {2: ("heap.angle",)}

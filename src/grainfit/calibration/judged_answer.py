@@ -100,6 +100,7 @@ def judge_answer(
         has_several_tests=bool(problem.tests),
         no_record=fresh.no_record,
         repeats_records=fresh.repeats_records,
+        deterministic=tuple(s.name for s in problem.scopes if s.name in fresh.deterministic),
     )
     return JudgedAnswer(answer, fresh, evidence, judge(evidence))
 
@@ -113,6 +114,9 @@ def _of_target(
     repeats: Mapping[str, int],
 ) -> TargetEvidence:
     name = target.name
+    values = list(fresh.values[name].values())
+    is_deterministic = problem.scope_of(name).name in fresh.deterministic
+    only = Verified(values[0], 0.0, 0.0, 1) if is_deterministic and values else None
     quality, outliers = answer.quality.get(name), answer.outliers.get(name)
     curves = answer.reduction.bases if answer.reduction else ()
     return TargetEvidence(
@@ -125,13 +129,14 @@ def _of_target(
         answer.standard_errors[name],
         answer.probabilities[name],
         noise=None if quality is None else quality.noise,
-        fresh=verified.get(name),
-        fresh_seeds=len(fresh.values[name]),
+        fresh=verified.get(name, only),
+        fresh_seeds=len(values),
         repeats=_repeats(problem, target, repeats),
         noise_range=None if quality is None else quality.noise_range,
         has_two_states=quality is not None and quality.has_two_states,
         outlying=_outlying(target, outliers) if outliers else None,
         curve=next((basis.target.name for basis in curves if name in basis.names), ""),
+        is_deterministic=is_deterministic,
     )
 
 

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from grainfit.calibration.progress import Progress
+from grainfit.calibration.repetitions import Repetitions
 from grainfit.campaign.folder_lock import Signature, holder
 from grainfit.campaign.pending import ClusterJob, PendingRun
 from grainfit.campaign.store.store import UNUSABLE
@@ -49,6 +51,10 @@ class LiveState:
         Runs that have not ended.
     jobs : tuple of ClusterJob
         Jobs of a cluster.
+    stale : mapping of str to tuple of str
+        Responses that verify nothing by the seed of their proposal, see `Repetitions`.
+    deterministic : tuple of str
+        Tests whose model gives the same for every seed, see `Repetitions`.
     """
 
     stage: str
@@ -61,6 +67,14 @@ class LiveState:
     notices: tuple[str, ...]
     pending: tuple[PendingRun, ...]
     jobs: tuple[ClusterJob, ...]
+    stale: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    deterministic: tuple[str, ...] = ()
+
+    @property
+    def repetitions(self) -> Repetitions:
+        """Runs with fresh seeds that are no evidence of their own."""
+        stale = {int(seed): names for seed, names in self.stale.items()}
+        return Repetitions(stale, self.deterministic)
 
 
 class LiveFile:
@@ -97,7 +111,9 @@ class LiveFile:
         """Whether the last update is long enough ago."""
         return time.monotonic() - self._looked >= _INTERVAL_SECONDS
 
-    def update(self, calibration: str, progress: Progress) -> None:
+    def update(
+        self, calibration: str, progress: Progress, repetitions: Repetitions | None = None
+    ) -> None:
         """Write the state, if it has changed. It is only for display: a full disk is no fault.
 
         Parameters
@@ -106,6 +122,8 @@ class LiveFile:
             Identity of the calibration.
         progress : Progress
             Its progress.
+        repetitions : Repetitions, optional
+            Its runs with fresh seeds that are no evidence of their own.
         """
         self._looked = time.monotonic()
         estimated = (progress.done, progress.to_come, progress.seconds_left)
@@ -124,6 +142,7 @@ class LiveFile:
             "notices": progress.notices,
             "pending": [asdict(run) for run in progress.pending],
             "jobs": [asdict(job) for job in progress.jobs],
+            **asdict(repetitions or Repetitions()),
         }
         if content == self._written:
             return

@@ -21,6 +21,7 @@ from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.records_read import RecordsRead
+from grainfit.calibration.repetitions import Repetitions
 from grainfit.calibration.runs_to_come import RunsSoFar, runs_to_come
 from grainfit.calibration.verification import runs_near
 from grainfit.calibration.warm_start import warm_start
@@ -78,7 +79,8 @@ class CalibrationLoop:
         self._store = store
         self._options = options
         self._evaluations: list[Evaluation] = []
-        self._records = RecordsRead(campaign.solvers, campaign.repeats)
+        self._latest_repetitions = Repetitions()
+        self._records = RecordsRead(campaign.solvers, campaign.repeats, campaign.folder)
         #: Runs of the warm start.
         self._known: Sequence[Evaluation] = ()
         #: Number of runs of the warm start, by their source.
@@ -190,9 +192,9 @@ class CalibrationLoop:
         )
         known_runs = sum(self._origins.values())
         result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
-        result = with_intervals(
-            result, self._problem, self._evaluations, self._known, self._campaign.solvers
-        )
+        known = self._repetitions(self._evaluations).is_known
+        own = [one for one in self._evaluations if not known(one)]
+        result = with_intervals(result, self._problem, own, self._known, self._campaign.solvers)
         tests = tests_of_runs(self._evaluations, self._store.find_many)
         return replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
 
@@ -212,6 +214,7 @@ class CalibrationLoop:
         self._run_strategy()
         outcome = self._judge_answer()
         while self._can_be_confirmed(outcome):
+            before = len(self._evaluations)
             self._run_fresh_seeds(outcome)
             outcome = self._judge_answer()
             if self._is_sure(outcome):
@@ -219,6 +222,9 @@ class CalibrationLoop:
             if self._strategy.resume_after_verification(self._left()):
                 self._run_strategy()
                 outcome = self._judge_answer()
+            if len(self._evaluations) == before:
+                # Fresh seeds of a deterministic model are none, and the search has ended.
+                break
         return outcome
 
     def _judge_answer(self) -> JudgedAnswer:
@@ -228,7 +234,7 @@ class CalibrationLoop:
         usable = without_blow_ups(self._problem, self._evaluations)
         problem, evaluations = answer.reduced(self._problem, usable)
         fresh = runs_near(
-            problem, answer, evaluations, self._strategy.answer, self._stale(evaluations)
+            problem, answer, evaluations, self._strategy.answer, self._repetitions(evaluations)
         )
         missing = self._records.missing_at(answer.parameters, self._problem)
         fresh = replace(fresh, no_record=missing)
@@ -241,11 +247,13 @@ class CalibrationLoop:
             self._campaign.repeats,
         )
 
-    def _stale(self, evaluations: Sequence[Evaluation]) -> Mapping[int, set[str]]:
-        """Return what the runs at answers have read again, see `RecordsRead`."""
+    def _repetitions(self, evaluations: Sequence[Evaluation]) -> Repetitions:
+        """Return the runs at answers that are no evidence of their own, see `RecordsRead`."""
         search = [one for one in evaluations if one.proposal.stage != "verification"]
         verification = [one for one in evaluations if one.proposal.stage == "verification"]
-        return self._records.stale([*self._known, *search], verification)
+        found = self._records.repetitions([*self._known, *search], verification)
+        self._latest_repetitions = found
+        return found
 
     def _is_sure(self, outcome: JudgedAnswer) -> bool:
         """Return whether the outcome would hardly change with more runs."""
@@ -349,9 +357,24 @@ class CalibrationLoop:
                     ended.append(evaluation)
                 else:
                     self._strategy.tell(evaluation.proposal, evaluation)
+            if waiting and ended:
+                waiting = self._without_known(waiting)
         ended.sort(key=lambda evaluation: order[evaluation.proposal.seed])
+        repetitions = self._repetitions(self._evaluations)
         for evaluation in ended:
-            self._strategy.tell(evaluation.proposal, evaluation)
+            # Told twice, the output of one run would make the scatter look small.
+            if not repetitions.is_known(evaluation):
+                self._strategy.tell(evaluation.proposal, evaluation)
+
+    def _without_known(self, waiting: Sequence[Proposal]) -> list[Proposal]:
+        """Leave out what deterministic models have given already."""
+        deterministic = self._repetitions(self._evaluations).deterministic
+        names = self._campaign.solvers
+        return [
+            proposal
+            for proposal in waiting
+            if not set(filter(proposal.asks_for, names)).issubset(deterministic)
+        ]
 
     def _tests_to_verify(self, outcome: JudgedAnswer) -> list[tuple[str, ...] | None]:
         """Return the tests of each run with a fresh seed that is to be made now."""
@@ -359,6 +382,8 @@ class CalibrationLoop:
         fewest, workers = self._options.verification_runs, self._options.workers
         left = self._runs_left()
         if not self._problem.tests:
+            if "" in fresh.deterministic:
+                return [None] * missing[""]
             lacking = fewest - fresh.count
             count = max(lacking, min(answer.runs_needed, workers), 1)
             return [None] * (count if left is None else min(count, max(left, 1)))
@@ -371,6 +396,8 @@ class CalibrationLoop:
             # Of those that make the answer certain, the first: the next verdict may need no more.
             worth = Counter(answer.runs_by_worth[: max(workers, self._tests)])
             wanted += (worth - Counter(wanted)).elements()
+        known = {test for test in fresh.deterministic if not missing.get(test)}
+        wanted = [test for test in wanted if test not in known]
         return [(test,) for test in self._within(left, wanted)]
 
     def _within(self, runs: int | None, tests: list[str]) -> list[str]:
@@ -472,7 +499,7 @@ class CalibrationLoop:
             return
         progress = self._progress()
         if live_file is not None and is_due:
-            live_file.update(self._identity, progress)
+            live_file.update(self._identity, progress, self._latest_repetitions)
         if show is not None:
             show(progress)
 

@@ -1,10 +1,14 @@
-"""Find which fresh seeds are evidence where runs read records, such as the rows of a table."""
+"""Find which fresh seeds are evidence: rows of a table, and outputs, count once."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
+from grainfit.calibration.deterministic import DeterministicTests
+from grainfit.calibration.repetitions import Repetitions
 from grainfit.campaign.repeats import seeds_of
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import unit_for_people, with_unit
@@ -15,7 +19,7 @@ from grainfit.verdict.reasons import NoRecordThere
 
 @dataclass(frozen=True)
 class RecordsRead:
-    """Records that the runs of a calibration read, by test.
+    """Records that the runs of a calibration read, and outputs that they repeat, by test.
 
     Parameters
     ----------
@@ -23,19 +27,49 @@ class RecordsRead:
         By name of the test.
     repeats : mapping of str to int
         Runs with different seeds whose mean is one evaluation, by name of the test.
+    folder : Path, optional
+        The work folder, which may have the raw output of the runs.
     """
 
     solvers: Mapping[str, Solver]
     repeats: Mapping[str, int]
+    folder: Path | None = None
 
-    def stale(
-        self, search: Iterable[Evaluation], verification: Iterable[Evaluation]
-    ) -> dict[int, set[str]]:
-        """Return the responses that verify nothing, by the seed of their proposal.
+    @cached_property
+    def _tests(self) -> DeterministicTests:
+        return DeterministicTests(self.solvers, self.folder)
 
-        Their run has read a record that an earlier run has read, or that belongs elsewhere. Equal
-        responses are no sign of it: independent runs may give zero, or quantised values.
+    def repetitions(
+        self, search: Sequence[Evaluation], verification: Sequence[Evaluation]
+    ) -> Repetitions:
+        """Return the runs with fresh seeds that are no evidence of their own.
+
+        Equal responses are no sign of it: independent runs may give zero, or quantised values.
+
+        Parameters
+        ----------
+        search, verification : sequence of Evaluation
+            Runs of the search, a warm start included, and runs with fresh seeds.
         """
+        deterministic = self._tests.among([*search, *verification])
+        found = self._read_again(search, verification)
+        seen: set[tuple[object, ...]] = set()
+        for evaluation in verification:
+            for test in filter(evaluation.proposal.asks_for, deterministic):
+                names = self._responses(test, evaluation)
+                place = (test, *evaluation.proposal.parameters.values())
+                if place in seen:
+                    found.setdefault(evaluation.proposal.seed, set()).update(names)
+                elif names:
+                    seen.add(place)
+        if len(deterministic) == len(self.solvers):
+            deterministic = ("", *deterministic)
+        return Repetitions({seed: tuple(found[seed]) for seed in found}, deterministic)
+
+    def _read_again(
+        self, search: Sequence[Evaluation], verification: Sequence[Evaluation]
+    ) -> dict[int, set[str]]:
+        """Return the responses of records that were read before, or that belong elsewhere."""
         read = {
             (test, record.name)
             for evaluation in search
@@ -78,7 +112,8 @@ class RecordsRead:
     def _responses(self, test: str, evaluation: Evaluation) -> set[str]:
         """Return the responses of a test, components of curves included."""
         prefix = response_name(test, "", len(self.solvers))
-        return {name for name in evaluation.responses if name.startswith(prefix)}
+        names = {*evaluation.responses, *evaluation.curves}
+        return {name for name in names if name.startswith(prefix)}
 
 
 def _in_words(record: SourceRecord, units: Mapping[str, str]) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 from grainfit.calibration.build_result import Ending, make_result
 from grainfit.calibration.judged_answer import judge_answer
+from grainfit.calibration.repetitions import Repetitions
 from grainfit.calibration.verification import runs_near
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
@@ -27,6 +28,7 @@ def result_so_far(
     *,
     options: Mapping[str, Any] | None = None,
     seed: int = 1,
+    repetitions: Repetitions | None = None,
 ) -> Result | None:
     """Return the best answer by the runs so far, and what they lead to expect at it.
 
@@ -45,6 +47,8 @@ def result_so_far(
         Options of the strategy: what it prefers, and the demanded probability.
     seed : int
         Decides the searches of the metamodels.
+    repetitions : Repetitions, optional
+        Runs with fresh seeds that are no evidence of their own.
 
     Returns
     -------
@@ -53,14 +57,16 @@ def result_so_far(
     """
     given = {name: value for name, value in (options or {}).items() if name in _OF_THE_ANSWER}
     search = make_strategy("sequential", given).start(problem, seed)
+    repetitions = repetitions or Repetitions()
     for evaluation in (*evaluations, *warm_start):
-        search.note(evaluation)
+        if not repetitions.is_known(evaluation):
+            search.note(evaluation)
     try:
         answer = search.answer()
     except RunFailedError:
         return None
     reduced, usable = answer.reduced(problem, without_blow_ups(problem, evaluations))
-    fresh = runs_near(reduced, answer, usable, search.answer)
+    fresh = runs_near(reduced, answer, usable, search.answer, repetitions)
     repeats = {scope.name: scope.repeats for scope in problem.scopes}
     outcome = judge_answer(reduced, answer, fresh, search.confidence, VERDICT.fresh_seeds, repeats)
     return make_result(Ending("", "", 0.0, 0.0, "interrupted"), search, outcome, evaluations)

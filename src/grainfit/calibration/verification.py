@@ -7,13 +7,14 @@ the metamodels' difference between the two points.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from statistics import fmean, stdev
 
 from scipy.special import stdtrit
 
+from grainfit.calibration.repetitions import Repetitions
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem
 from grainfit.strategies.answer import Answer
@@ -38,6 +39,8 @@ class FreshRuns:
         Tests whose runs are read from a table that has none at the answer.
     repeats_records : bool
         Whether some of the runs have read rows that were read before, which verify nothing.
+    deterministic : tuple of str
+        Tests whose model gives the same for every seed, see `Repetitions`.
     """
 
     values: Mapping[str, Mapping[int, float]]
@@ -45,6 +48,7 @@ class FreshRuns:
     search: Sequence[Evaluation] = ()
     no_record: Sequence[NoRecordThere] = ()
     repeats_records: bool = False
+    deterministic: tuple[str, ...] = ()
 
     @property
     def failures(self) -> tuple[int, int]:
@@ -72,7 +76,7 @@ def runs_near(
     answer: Answer,
     evaluations: Iterable[Evaluation],
     describe: Callable[[Mapping[str, float]], Answer],
-    stale: Mapping[int, Collection[str]] | None = None,
+    repetitions: Repetitions | None = None,
 ) -> FreshRuns:
     """Return the verification runs at or very near an answer.
 
@@ -86,10 +90,11 @@ def runs_near(
         All runs.
     describe : callable
         Returns the predictions for a parameter set; only called for the few that are verified.
-    stale : mapping of int to collection of str, optional
-        Responses by seed that verify nothing, see `RecordsRead.stale`.
+    repetitions : Repetitions, optional
+        Runs that are no evidence of their own.
     """
-    stale = stale or {}
+    repetitions = repetitions or Repetitions()
+    stale = repetitions.stale
     values: dict[str, dict[int, float]] = {target.name: {} for target in problem.targets}
     near: list[Evaluation] = []
     search: list[Evaluation] = []
@@ -109,8 +114,15 @@ def runs_near(
         for name, response in evaluation.responses.items():
             if name in values and name not in ignored:
                 values[name][evaluation.proposal.seed] = response.value + shift[name]
-    repeats_records = any(evaluation.proposal.seed in stale for evaluation in near)
-    return FreshRuns(values, near, search, repeats_records=repeats_records)
+    return FreshRuns(
+        values,
+        near,
+        search,
+        repeats_records=any(
+            one.proposal.seed in stale and not repetitions.is_known(one) for one in near
+        ),
+        deterministic=repetitions.deterministic,
+    )
 
 
 def _shift(

@@ -169,6 +169,11 @@ class Campaign:
         return len(self._solvers)
 
     @property
+    def folder(self) -> Path:
+        """The work folder; a temporary one where nothing is kept."""
+        return self._folder
+
+    @property
     def solvers(self) -> Mapping[str, Solver]:
         """Solvers by name of the test."""
         return self._solvers

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Collection
 from functools import cached_property
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 from grainfit.errors import Fault, InputError
@@ -103,12 +103,34 @@ class PythonFile:
         InputError
             See `check`.
         """
+        found = self._definition()
+        return [] if found is None else _needed(found.args, known)
+
+    def code(self) -> CodeType | None:
+        """Return the code of the function; None where only executing the file would tell.
+
+        Raises
+        ------
+        InputError
+            See `check`.
+        """
+        found = self._definition()
+        if found is None:
+            return None
+        module = compile(ast.Module([found], []), str(self.path), "exec")
+        return next(
+            (c for c in module.co_consts if isinstance(c, CodeType) and c.co_name == self.function),
+            None,
+        )
+
+    def _definition(self) -> ast.FunctionDef | None:
+        """Return the definition of the function, if it is plainly the one that is called."""
         tree = self._tree()
         binding = [node for node in tree.body if _top_level_names(node) & {self.function, "*"}]
         match binding:
-            case [*_, ast.FunctionDef(name=self.function, args=found, decorator_list=[])]:
-                return _needed(found, known)
-        return []
+            case [*_, ast.FunctionDef(name=self.function, decorator_list=[]) as found]:
+                return found
+        return None
 
     def _tree(self) -> ast.Module:
         source = self.source

@@ -18,6 +18,7 @@ from grainfit.report import verdict_messages as messages
 from grainfit.report.rows import deviation
 from grainfit.report.section import ReportContext
 from grainfit.result import ResponseResult, Result
+from grainfit.verdict.reasons import Deterministic
 
 
 @dataclass(frozen=True)
@@ -64,13 +65,15 @@ def _final_verdict(context: ReportContext) -> ShownVerdict:
     result = context.reading.result
     assert result is not None, "an answer comes from a result"
     sure = (*filter(None, [result.sureness]), *_determinations(context))
+    if context.reading.state == "undecided":
+        return _undecided(context, result, sure)
+    single = (plain(str(one)) for one in result.reasons if isinstance(one, Deterministic))
+    sure = (*single, *sure)
     if context.reading.state == "calibrated":
         return ShownVerdict("good", messages.CALIBRATED(), sure)
     misses = tuple(map(str, result.out_of_reach))
     if context.reading.state == "unreachable" and misses:
         return ShownVerdict("bad", messages.UNREACHABLE(), misses)
-    if context.reading.state == "undecided":
-        return _undecided(context, result, sure)
     missed = "; ".join(
         _miss(context.response_label(name).words, response)
         for name, response in result.responses.items()

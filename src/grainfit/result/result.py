@@ -11,7 +11,7 @@ from typing import Any
 
 from grainfit.errors import StoreError
 from grainfit.files import LARGEST_RESULT, read_within, write_atomically
-from grainfit.formatting import counted, plain_ends, plain_interval, plain_probability
+from grainfit.formatting import counted, number, plain_ends, plain_interval, plain_probability
 from grainfit.one_line import one_line
 from grainfit.plain_data import parse_json, read_plain
 from grainfit.result.older_versions import in_current_names
@@ -27,7 +27,7 @@ from grainfit.result.parts import (
 from grainfit.tables import Summary, TextTable
 from grainfit.verdict import messages
 from grainfit.verdict.out_of_reach import OutOfReach
-from grainfit.verdict.reasons import KINDS, NoRecordThere, Reason
+from grainfit.verdict.reasons import KINDS, Deterministic, NoRecordThere, Reason
 from grainfit.verdict.rule import Status
 
 
@@ -187,7 +187,21 @@ class Result(Summary):
         return [*tables, self.curve_table()] if self.curves else tables
 
     def fresh_seeds(self) -> str:
-        """Return the means of the verification runs in one sentence; "" without any."""
+        """Return what the runs at the answer gave in a sentence; "" without any."""
+        return " ".join(filter(None, [self._means_of_fresh_seeds(), self.single_runs()]))
+
+    def single_runs(self) -> str:
+        """Return what the one run at the answer of deterministic models gave; "" without any."""
+        if not any(isinstance(reason, Deterministic) for reason in self.reasons):
+            return ""
+        found = [
+            f"{name} {number(found.verified_values[0], 4)} {found.unit}".rstrip()
+            for name, found in self.responses.items()
+            if len(found.verified_values) == 1
+        ]
+        return f"Run at the answer: {', '.join(found)}." if found else ""
+
+    def _means_of_fresh_seeds(self) -> str:
         means = [
             f"{name} {plain_interval(found.verified_mean, found.verified_interval)} "
             f"{found.unit}".rstrip()
@@ -197,8 +211,10 @@ class Result(Summary):
         means += [f"{name} {found.fresh}" for name, found in self.curves.items() if found.fresh]
         if not means:
             return ""
+        single = bool(self.single_runs())
         counts = [len(found.verified_values) for found in self.responses.values()]
         counts += [found.verified_runs for found in self.curves.values()]
+        counts = [count for count in counts if not (single and count == 1)]
         fewest, most = min(counts), max(counts)
         seeds = counted(most, "fresh seed") if most else "fresh seeds"
         if fewest < most:

@@ -18,7 +18,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 from grainfit.bulk_tests.workload import workload
 from grainfit.errors import Fault
@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     # Imports NumPy, which the state of a calibration does without.
     from grainfit.bulk_tests.base import BulkTest
     from grainfit.scenes.scene import Scene
+
+
+#: Whether a model can read the seed of a run: it may; as far as its text tells, it does not; or it
+#: is not given it.
+SeedUse: TypeAlias = Literal["read", "unread", "none"]
 
 
 @dataclass(frozen=True)
@@ -197,6 +202,23 @@ class Solver(ABC):
         Runs that read one record are no independent evidence, whatever their seeds.
         """
         return None
+
+    @property
+    def seed_use(self) -> SeedUse:
+        """Whether a run can depend on its seed; without one, the model is deterministic."""
+        return "read"
+
+    def raw_output(self, folder: Path) -> Sequence[Path]:  # noqa: ARG002
+        """Return the files from which the responses of a run are measured; none by default.
+
+        They tell whether two runs gave the same output: equal responses do not.
+
+        Parameters
+        ----------
+        folder : Path
+            Folder of the run.
+        """
+        return ()
 
     def check(self) -> None:
         """Raise `SolverNotFoundError` or `InputError` if no run can succeed."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
@@ -11,7 +12,7 @@ from typing_extensions import override
 from grainfit.contact_models.registry import is_material_parameter
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
-from grainfit.solvers.base import Solver, SourceRecord, Workspace
+from grainfit.solvers.base import SeedUse, Solver, SourceRecord, Workspace
 from grainfit.solvers.run_cost import RunCost
 
 if TYPE_CHECKING:
@@ -116,6 +117,15 @@ class ParametersFor(Solver):
     @override
     def record_of(self, parameters: Mapping[str, float], seed: int) -> SourceRecord | None:
         return self.solver.record_of(self._taken(parameters), seed)
+
+    @property
+    @override
+    def seed_use(self) -> SeedUse:
+        return self.solver.seed_use
+
+    @override
+    def raw_output(self, folder: Path) -> Sequence[Path]:
+        return self.solver.raw_output(folder)
 
     @override
     def check(self) -> None:

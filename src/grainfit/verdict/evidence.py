@@ -18,7 +18,8 @@ class Verified:
     mean, standard_error : float
         Over the runs.
     half_width : float
-        Half of the 95 % confidence interval of the mean (Student's t).
+        Half of the 95 % confidence interval of the mean (Student's t); 0 for a single run of a
+        deterministic model.
     runs : int
         Number of runs.
     """
@@ -48,7 +49,7 @@ class TargetEvidence:
     noise : float, optional
         Standard deviation of an evaluation at the answer; None where it is not known.
     fresh : Verified, optional
-        Mean of at least two fresh seeds.
+        Mean of at least two fresh seeds; of a deterministic model, the response itself.
     fresh_seeds : int
         Number of fresh seeds that gave the response.
     test : str
@@ -63,6 +64,8 @@ class TargetEvidence:
         Outlying runs, if there are any.
     curve : str
         Curve of which it is a component; empty for a response.
+    is_deterministic : bool
+        Whether the model gives the same for every seed.
     """
 
     name: str
@@ -82,6 +85,7 @@ class TargetEvidence:
     has_two_states: bool = False
     outlying: OutlyingRuns | None = None
     curve: str = ""
+    is_deterministic: bool = False
 
 
 @dataclass(frozen=True)
@@ -144,6 +148,8 @@ class Evidence:
         Tests whose runs are read from a table that has none at the answer.
     repeats_records : bool
         Whether runs at the answer have read rows that were read before.
+    deterministic : sequence of str
+        Tests, as in ``tests``, whose model gives the same for every seed: one run tells all.
     """
 
     targets: Sequence[TargetEvidence]
@@ -162,6 +168,7 @@ class Evidence:
     has_several_tests: bool
     no_record: Sequence[NoRecordThere] = ()
     repeats_records: bool = False
+    deterministic: Sequence[str] = ()
 
     @property
     def fresh_seeds(self) -> int:

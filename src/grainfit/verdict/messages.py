@@ -18,6 +18,11 @@ CONTRADICTED = Message(
     "predict {expected}.",
     "The metamodel is inaccurate there: allow more runs.",
 )
+MISSED_BY_RUN = Message(
+    "{target} is in doubt: the run at the answer gives {found}, but all runs together predict "
+    "{expected}.",
+    "The metamodel is inaccurate there: allow more runs.",
+)
 CURVE_CONTRADICTED = Message(
     "{curve} is in doubt: compared with the curve that all runs together predict, the mean of "
     "{runs} at the answer {miss}.",
@@ -80,6 +85,17 @@ RECORDS_REPEATED = Message(
     "Undecided because only {made} of {wanted} fresh seeds at the answer read a row of the table "
     "that no other run had read.",
     "Record more runs there: reading a row again is no repetition.",
+)
+
+DETERMINISTIC = Message(
+    "The model{of_test} is deterministic, as far as its runs tell: the seed changes nothing. So "
+    "one run at the answer is enough, and no scatter is known."
+)
+DETERMINISTIC_IN_DOUBT = Message(
+    "Every expected response is within its tolerance with a probability of {probability}, and "
+    "{confidence} is demanded. The model of {targets} is deterministic: another seed tells "
+    "nothing more.",
+    "Allow more runs, at other parameters.",
 )
 
 # Parts of TOO_MUCH_SCATTER.

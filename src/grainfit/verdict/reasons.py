@@ -49,11 +49,16 @@ class Contradicted(Reason):
     kind = "contradicted"
 
     def __str__(self) -> str:
+        unit = unit_for_people(self.unit)
+        expected = with_unit(number(self.expected, 4), unit)
+        if self.runs == 1:
+            found = with_unit(number(self.mean, 4), unit)
+            return messages.MISSED_BY_RUN(target=self.target, found=found, expected=expected)
         return messages.CONTRADICTED(
             target=self.target,
             runs=counted(self.runs, "fresh seed"),
             mean=rounded(self.mean, self.half_width),
-            expected=with_unit(number(self.expected, 4), unit_for_people(self.unit)),
+            expected=expected,
         )
 
 
@@ -264,6 +269,41 @@ class RecordsRepeated(Reason):
 
     def __str__(self) -> str:
         return messages.RECORDS_REPEATED(made=self.made, wanted=self.wanted)
+
+
+@dataclass(frozen=True)
+class Deterministic(Reason):
+    """The model of a test gives the same for every seed: one run tells all that it has to tell.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test; empty for the only one.
+    """
+
+    test: str
+    kind = "deterministic"
+
+    def __str__(self) -> str:
+        return messages.DETERMINISTIC(of_test=f" of {self.test}" if self.test else "")
+
+
+@dataclass(frozen=True)
+class DeterministicInDoubt(Reason):
+    """Responses of deterministic models of which too few parameter sets are known."""
+
+    targets: tuple[str, ...]
+    probability: float
+    confidence: float
+    kind = "deterministic in doubt"
+    gives_probability = True
+
+    def __str__(self) -> str:
+        return messages.DETERMINISTIC_IN_DOUBT(
+            targets=in_a_row(self.targets),
+            probability=plain_probability(self.probability),
+            confidence=plain_probability(self.confidence),
+        )
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,8 @@ from grainfit.verdict.options import VERDICT
 from grainfit.verdict.reasons import (
     Contradicted,
     CurveContradicted,
+    Deterministic,
+    DeterministicInDoubt,
     FreshSeedsMissing,
     NoisyResponse,
     NotTogether,
@@ -108,6 +110,9 @@ def is_contradicted(target: TargetEvidence) -> bool:
     """Return whether the fresh seeds contradict what all runs together predict for a target."""
     if target.fresh is None or target.noise is None:
         return False
+    if target.is_deterministic and not target.curve:
+        # Its run is the response there, whatever the metamodel expects.
+        return abs(target.fresh.mean - target.value) > target.tolerance
     return contradicts(
         target.fresh, target.expected, target.standard_error, target.noise, target.tolerance
     )
@@ -141,7 +146,8 @@ def contradicts(
 def _lacking(evidence: Evidence) -> dict[str, int]:
     """Return how many runs with fresh seeds an answer lacks, by name of the test.
 
-    One of several tests needs fewer where its responses scatter little.
+    One of several tests needs fewer where its responses scatter little; a deterministic model
+    needs one.
     """
     lacking = {}
     for test, names in evidence.tests.items():
@@ -149,6 +155,8 @@ def _lacking(evidence: Evidence) -> dict[str, int]:
         quiet = evidence.has_several_tests and all(map(_is_quiet, targets))
         fewest = evidence.fewest_fresh
         wanted = min(fewest, VERDICT.fewest_of_quiet) if quiet else fewest
+        if test in evidence.deterministic:
+            wanted = min(fewest, 1)
         made = min((one.fresh_seeds for one in targets), default=0)
         lacking[test] = max(0, wanted - made)
     return lacking
@@ -182,6 +190,8 @@ def reasons_for(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
     for target in evidence.targets:
         if not target.curve:
             yield from _about_runs(target, judgement)
+    for test in evidence.deterministic:
+        yield Deterministic(test)
 
 
 def _contradictions(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
@@ -211,7 +221,7 @@ def _about_runs(target: TargetEvidence, judgement: Judgement) -> Iterator[Reason
     """Yield what is unusual about the runs of a response."""
     if target.outlying is not None:
         yield target.outlying
-    if target.noise is None:
+    if target.noise is None or target.is_deterministic:
         return
     if target.noise_range is not None:
         yield ScatterChanges(target.name, target.unit, *target.noise_range, target.noise)
@@ -250,10 +260,17 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
     if has_outliers and abs(with_all - without) > 1 - evidence.confidence:
         yield OutliersDecide(with_all, without)
     elif with_all < evidence.confidence:
-        yield _too_much_scatter(evidence)
+        doubtful = [one for one in evidence.targets if one.probability < evidence.confidence]
+        if doubtful and all(one.is_deterministic for one in doubtful):
+            names = dict.fromkeys(one.curve or one.name for one in doubtful)
+            yield DeterministicInDoubt(tuple(names), with_all, evidence.confidence)
+        else:
+            yield _too_much_scatter(evidence)
     elif sum(judgement.lacking.values()) and not judgement.contradicted:
         failed = evidence.failed if evidence.is_verified else 0
         made, wanted = evidence.fresh_seeds, evidence.fewest_fresh
+        if evidence.tests.keys() <= set(evidence.deterministic):
+            wanted = min(wanted, 1)
         yield FreshSeedsMissing(made, wanted, failed, evidence.ended if failed else 0)
 
 

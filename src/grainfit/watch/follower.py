@@ -207,6 +207,7 @@ class Follower:
                 saved.warm_start,
                 options=saved.strategy_options,
                 seed=saved.seed,
+                repetitions=reading.live.repetitions if reading.live else None,
             )
         self._so_far = (known, found)
 

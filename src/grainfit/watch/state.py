@@ -20,6 +20,7 @@ from grainfit.report.page import REPORT_NAME
 from grainfit.report.section import ReportContext
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result
+from grainfit.verdict.reasons import Deterministic
 from grainfit.watch.rows import (
     MOST_ROWS,
     failure_rows,
@@ -191,6 +192,7 @@ def _verdict_so_far(so_far: Result | None) -> dict[str, Any]:
     if missed:
         details.append(messages.MISSED_SO_FAR(targets=", ".join(map(plain, missed))))
     details += [plain(str(one)) for one in so_far.out_of_reach]
+    details += [plain(str(one)) for one in so_far.reasons if isinstance(one, Deterministic)]
     return _in_progress(messages.SO_FAR(probability=likely), details)
 
 

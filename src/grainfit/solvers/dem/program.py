@@ -52,7 +52,7 @@ from grainfit.materials.particle_shape import ASPECT_RATIO, aspect_ratio_faults
 from grainfit.materials.walls import plain_name, wall_of
 from grainfit.messages import Message
 from grainfit.scenes.film import filmed
-from grainfit.scenes.run_output import RunOutput
+from grainfit.scenes.run_output import SNAPSHOTS, RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem import messages
@@ -232,6 +232,11 @@ class DeckSolver(Solver):
         faults = [*_impossible(material), *law_faults, *aspect_ratio_faults(shape, ratio)]
         if faults:
             raise InputError(faults)
+
+    @override
+    def raw_output(self, folder: Path) -> Sequence[Path]:
+        """Return the snapshots of the particles."""
+        return sorted((folder / SNAPSHOTS).glob("*.dump"))
 
     @override
     def run(

@@ -20,7 +20,7 @@ from grainfit.evaluation.exchange import finite_parameters
 from grainfit.files import is_file, log_tail
 from grainfit.formatting import variable_name
 from grainfit.options.python_file import PythonFile
-from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.base import SeedUse, Solver, Workspace
 from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.evaluation import (
     RESPONSES_NAME,
@@ -187,6 +187,32 @@ class Command(Solver):
         except InputError:
             # `check` says why.
             return tuple(names)
+
+    @property
+    @override
+    def seed_use(self) -> SeedUse:
+        try:
+            return "read" if self._mentions.has_seed else "unread"
+        except InputError:
+            # `check` says why.
+            return "read"
+
+    @override
+    def raw_output(self, folder: Path) -> Sequence[Path]:
+        """Return the files that the command wrote, without logs, which state times."""
+        model = {name.removesuffix(_TEMPLATE_SUFFIX) for name in self._model.files()}
+        written = {
+            str(path.relative_to(folder)): path for path in folder.rglob("*") if is_file(path)
+        }
+        return [
+            path
+            for name, path in sorted(written.items())
+            if name not in model
+            and not self._is_overwritten(name)
+            and not self._is_template(name)
+            and not path.name.startswith((".", "log."))
+            and path.suffix not in (".log", ".json", ".png")
+        ]
 
     def model(self) -> Mapping[str, Any]:
         """Return the command and the contents of all files."""

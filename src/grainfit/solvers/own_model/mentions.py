@@ -15,7 +15,13 @@ from grainfit.options.kinds import suggest
 from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.fill_templates import ALL_VALUES
 from grainfit.solvers.own_model.model_folder import ModelFolder
-from grainfit.solvers.own_model.model_input import INCLUDE_NAME, JSON_NAME, RESERVED, Templates
+from grainfit.solvers.own_model.model_input import (
+    INCLUDE_NAME,
+    JSON_NAME,
+    RESERVED,
+    SEEDS,
+    Templates,
+)
 from grainfit.solvers.own_model.template_names import Path, TemplateNames, Use
 
 
@@ -88,6 +94,12 @@ class Mentions:
             or any(_has_name(self.text, form) for form in names)
             or any(self._is_read(name, path) for path in self._paths)
         )
+
+    @property
+    def has_seed(self) -> bool:
+        """Whether the model has the name of a seed, or reads all values in a template."""
+        in_templates = (self._is_read(name, path) for name in SEEDS for path in self._paths)
+        return b"seed" in self.text or any(in_templates)
 
     def undefined(self, names: Collection[str]) -> Iterator[Undefined]:
         """Yield the names in templates that are none of the parameters, nor else known.

@@ -32,8 +32,10 @@ JSON_NAME = "parameters.json"
 INCLUDE_NAME = "parameters.inc"
 
 _SEED = "seed"
+#: Names of the seeds of a run.
+SEEDS = (_SEED, *PRIME_SEEDS)
 #: Names in templates that no parameter can have.
-RESERVED = (_SEED, *PRIME_SEEDS, ALL_VALUES)
+RESERVED = (*SEEDS, ALL_VALUES)
 
 #: Limits of templates. They take milliseconds and a few MB unless there is a fault in a loop.
 _SECONDS = 60.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dis
 import functools
 import hashlib
 import inspect
@@ -13,7 +14,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from tokenize import TokenError
-from types import CodeType
+from types import CodeType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,12 @@ from grainfit.errors import GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.evaluation.exchange import finite_parameters, read_responses
 from grainfit.options.python_file import PythonFile
-from grainfit.solvers.base import Solver, Workspace
+from grainfit.solvers.base import SeedUse, Solver, Workspace
 from grainfit.solvers.own_model import messages
 from grainfit.solvers.process import messages as process_messages
 from grainfit.solvers.process.faults import machine_error
 
-Function = Callable[[dict[str, float], int], Mapping[str, Any]]
+Function = Callable[..., Mapping[str, Any]]
 
 _TRACEBACK_LINES = 20
 
@@ -43,7 +44,8 @@ class PythonCallable(Solver):
     ----------
     function : callable
         ``function(parameters: dict[str, float], seed: int) -> dict``: responses by name, each a
-        number, a pair of value and standard error, or a `Response`.
+        number, a pair of value and standard error, or a `Response`. A function of the parameters
+        alone, ``function(parameters)``, is deterministic.
     response_names : sequence of str, optional
         Responses that every run must give.
     name : str
@@ -135,6 +137,24 @@ class PythonCallable(Solver):
             return self._function.identity()
         return _identity(self._function)
 
+    @property
+    @override
+    def seed_use(self) -> SeedUse:
+        return self._seed_use
+
+    @functools.cached_property
+    def _seed_use(self) -> SeedUse:
+        match self._function:
+            case PythonFile() as file:
+                code = file.code()
+                return "read" if code is None else _seed_use(code, 0)
+            case FunctionType(__code__=code):
+                # That of a decorated function is the code of what it was replaced with.
+                return _seed_use(code, 0)
+            case MethodType(__func__=FunctionType(__code__=code)):
+                return _seed_use(code, 1)
+        return "read"
+
     @override
     def run(
         self, parameters: Mapping[str, float], seed: int, workspace: Workspace
@@ -142,8 +162,9 @@ class PythonCallable(Solver):
         values = finite_parameters(parameters)
         if workspace.cancelled.is_set():
             raise RunFailedError(process_messages.STOPPED(), kind="cancelled")
+        arguments = (values,) if self._seed_use == "none" else (values, int(seed))
         try:
-            found = self._function(values, int(seed))
+            found = self._function(*arguments)
         except RunFailedError:
             raise
         # A function that calls sys.exit must not end the whole calibration.
@@ -153,6 +174,21 @@ class PythonCallable(Solver):
                 raise RunFailedError(reason, tail, "machine") from error
             raise RunFailedError(_one_line(error), tail, "evaluation") from error
         return read_responses(found, self._response_names, "the function")
+
+
+def _seed_use(code: CodeType, bound: int) -> SeedUse:
+    """Return whether code reads its seed, the second argument after those that are bound."""
+    arguments = code.co_varnames[bound : code.co_argcount]
+    if code.co_flags & inspect.CO_VARARGS or not arguments:
+        return "read"
+    if len(arguments) == 1:
+        return "none"
+    seed = arguments[1]
+    # Several variables may be one argument of an instruction.
+    named = (str(instruction.argrepr) for instruction in dis.get_instructions(code))
+    mentioned = {name.strip() for names in named for name in names.split(",")}
+    by_name = {"locals", "vars", "eval", "exec"}.intersection(code.co_names)
+    return "read" if seed in {*mentioned, *code.co_cellvars} or by_name else "unread"
 
 
 def _one_line(error: BaseException) -> str:

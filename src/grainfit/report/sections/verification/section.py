@@ -78,6 +78,7 @@ def verification(context: ReportContext) -> Section:
         rows=[_row(context, check) for check in checks],
         curves={plain(name): found.fresh for name, found in curves.items() if found.fresh},
         count=count,
+        single=plain(result.single_runs()) if result else "",
         has_answer=bool(context.answer),
         has_ended=context.reading.state not in ("running", "interrupted"),
         others=_all_verifications(context) - count,
