@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.solvers.parameters_for import AllBut, ParametersFor
+from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.verdict.reasons import NoRecordThere
 
 FRICTION = gf.Parameter("friction", 0.1, 0.9)
@@ -99,3 +102,33 @@ def test_of_several_tests_only_those_with_records_can_be_stale() -> None:
         Evaluation(Proposal({"friction": 0.7}, seed, "verification"), responses) for seed in (1, 2)
     ]
     assert records.repetitions([], runs).stale == {2: ("heap.angle",)}
+
+
+def test_metamodels_have_the_nearest_rows_at_their_own_parameters(tmp_path: Path) -> None:
+    table = RecordedTable(rows(40), ["friction", "rolling"], ["angle"], nearest=True)
+    problem = gf.Problem([FRICTION, ROLLING], [replace(ANGLE, tolerance=0.1)])
+    gf.calibrate(problem, table, seed=4, max_runs=12, workdir=tmp_path)
+
+    saved = gf.open(tmp_path)
+    recorded = {(row["friction"], row["rolling"]): row["angle"] for row in rows(40)}
+    known = [
+        (tuple(one.proposal.parameters.values()), one.responses["angle"].value)
+        for one in saved.known
+    ]
+    # Each row once, however many runs have read it.
+    assert len(known) == len(set(known)) < len(saved.evaluations)
+    assert all(recorded[place] == value for place, value in known)
+
+
+def test_rows_of_several_tests_are_each_at_their_own_parameters() -> None:
+    evaluation = Evaluation(
+        Proposal({"friction": 0.5}, 1, "design"),
+        {"drum.angle": Response(1.0), "heap.angle": Response(2.0), "pile.angle": Response(3.0)},
+        runs={"drum": "a", "heap": "b", "pile": "c"},
+        made_at={"heap": {"friction": 0.4}, "pile": {"friction": 0.6}},
+    )
+    found = {
+        tuple(one.responses): one.proposal.parameters["friction"]
+        for one in distinct_runs([evaluation])
+    }
+    assert found == {("heap.angle",): 0.4, ("pile.angle",): 0.6, ("drum.angle",): 0.5}

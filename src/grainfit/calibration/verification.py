@@ -118,9 +118,8 @@ def runs_near(
         values,
         near,
         search,
-        repeats_records=any(
-            one.proposal.seed in stale and not repetitions.is_known(one) for one in near
-        ),
+        repeats_records=not repetitions.deterministic
+        and any(one.proposal.seed in stale for one in near),
         deterministic=repetitions.deterministic,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import tempfile
 import threading
@@ -583,4 +584,18 @@ def evaluation_of(
         {test: outcome.seconds for test, outcome in of_tests.items()},
         curves(found),
         {run: record.reason for run, record in records.items() if record.status == "failed"},
+        {
+            name_of_test(run): place
+            for run, record in records.items()
+            if (place := _made_elsewhere(proposal, record.definition.parameters))
+        },
     )
+
+
+def _made_elsewhere(proposal: Proposal, made: Mapping[str, float]) -> dict[str, float]:
+    """Return the parameters of a run that differ from those asked for, rounding errors apart."""
+    return {
+        name: made[name]
+        for name, value in proposal.parameters.items()
+        if name in made and not math.isclose(made[name], value, rel_tol=1e-9)
+    }

@@ -76,6 +76,9 @@ class Evaluation:
     failed_runs : mapping of str to str
         Reason by name of the run that failed. With several seeds per evaluation, the others may
         have given the responses: then the test is not among the ``failures``.
+    made_at : mapping of str to mapping of str to float
+        Parameters of the record that the runs of a test have read, by name of the test, where they
+        are not those of the proposal.
     """
 
     __repr__ = one_line
@@ -91,6 +94,7 @@ class Evaluation:
     test_seconds: Mapping[str, float] = field(default_factory=dict)
     curves: Mapping[str, Curve] = field(default_factory=dict)
     failed_runs: Mapping[str, str] = field(default_factory=dict)
+    made_at: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def response_names(self) -> set[str]:
@@ -117,7 +121,20 @@ class Evaluation:
             failed_runs={
                 n: why for n, why in self.failed_runs.items() if name_of_test(n) not in tests
             },
+            made_at={n: place for n, place in self.made_at.items() if n not in tests},
         )
+
+    def placed(self) -> list[Evaluation]:
+        """Return the evaluation where its runs were made: in parts, where these are apart."""
+        proposal, tests = self.proposal, names_of_tests(self.runs)
+        parts = []
+        for test, place in self.made_at.items():
+            part = self.without([name for name in tests if name != test]) if tests[1:] else self
+            there = replace(part.proposal, parameters={**proposal.parameters, **place})
+            parts.append(replace(part, proposal=there, made_at={}))
+        if not set(tests).issubset(self.made_at):
+            parts.append(self.without(list(self.made_at)))
+        return parts if self.made_at else [self]
 
     @classmethod
     def of(cls, proposal: Proposal, outcome: Outcome) -> Evaluation:

@@ -119,14 +119,17 @@ class RecordedTable(Solver):
         return f"{self._understood}." if self._understood else super().readiness()
 
     def run_parameters(self, parameters: Mapping[str, float]) -> dict[str, float]:
-        """Return the parameters; check that they are those of the table.
+        """Return the parameters of the run that is read; check that they are those of the table.
 
         Raises
         ------
         InputError
             A parameter is not in the table, is missing, or has no finite value.
         """
-        return self._values(parameters)
+        values = self._values(parameters)
+        if self._nearest and not self._at(values).any():
+            return self._nearest_to(values)
+        return values
 
     @override
     def run(
@@ -175,12 +178,16 @@ class RecordedTable(Solver):
         apart = np.abs(self._offsets(values)).max(axis=1, initial=0.0)
         return np.asarray(apart <= self._tolerance)
 
+    def _nearest_to(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters of the nearest recorded run."""
+        index = int(np.linalg.norm(self._offsets(values), axis=1).argmin())
+        return dict(zip(self._parameters, self._points[index].tolist(), strict=True))
+
     def _replicates(self, values: Mapping[str, float]) -> list[int]:
         """Return all recorded runs at these parameters, or at the nearest ones if allowed."""
         same = self._at(values)
         if not same.any():
-            index = int(np.linalg.norm(self._offsets(values), axis=1).argmin())
-            nearest = dict(zip(self._parameters, self._points[index].tolist(), strict=True))
+            nearest = self._nearest_to(values)
             if not self._nearest:
                 there = ", ".join(f"{name} = {value:.10g}" for name, value in nearest.items())
                 raise RunFailedError(messages.NO_RUN_THERE(there=there))
