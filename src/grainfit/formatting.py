@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from math import floor, inf, isfinite, log10
 from typing import Any
@@ -47,6 +47,21 @@ def in_unit(name: str, unit: str) -> str:
     ('angle_of_repose in °', 'share')
     """
     return f"{name} in {unit_for_people(unit)}" if unit else name
+
+
+def assigned(
+    values: Mapping[str, float], units: Mapping[str, str], digits: int = 4
+) -> Iterator[str]:
+    """Yield each value with its name and its unit.
+
+    Examples
+    --------
+    >>> list(assigned({"particle.density": 2308.79}, {"particle.density": "kg/m^3"}))
+    ['particle.density = 2309 kg/m³']
+    """
+    for name, value in values.items():
+        unit = unit_for_people(units.get(name, ""))
+        yield f"{plain(name)} = {with_unit(number(value, digits), unit)}"
 
 
 def probability(value: float) -> str:

@@ -161,7 +161,9 @@ def page_of(run: RunOutput, scene: Scene, frames: int = 1000, failure: str = "")
     drawn = draw_film(scene, run, Film(run.folder / FILM), frames)
     path = run.folder / "animation.html"
     path.write_text(
-        animation_page(AnimatedRun("beads", "lid", "lammps", 7, {"x": 1.5}, failure), drawn)
+        animation_page(
+            AnimatedRun("beads", "lid", "lammps", 7, {"x": 1.5}, {"x": "mm"}, failure), drawn
+        )
     )
     return path
 

@@ -173,7 +173,7 @@ def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> Non
     values = setup.values([])
     (found,) = preview_tests(setup.solvers, values, 1)
 
-    text = preview_page(setup.name, [found], values)
+    text = preview_page(setup.name, [found], values, {})
     picture = draw_geometry(found.geometry, 200)
 
     assert found.cost is not None
@@ -258,7 +258,7 @@ def test_the_page_breaks_no_rule_of_accessibility(tmp_path: Path) -> None:
     file.write_text(starter_file(["heap", "shear"]))
     setup = load_calibration(file)
     values = setup.values([])
-    write_preview(page, setup.name, preview_tests(setup.solvers, values, 1), values)
+    write_preview(page, setup.name, preview_tests(setup.solvers, values, 1), values, {})
 
     assert page.read_text().count("<canvas") == 2
     assert violations_in(page) == []
@@ -280,4 +280,4 @@ def test_a_file_without_a_scene_and_a_place_that_cannot_be_written_are_said(
     values = blade.values([])
     tests = preview_tests(blade.solvers, values, 1)
     with pytest.raises(InputError, match=messages.CANNOT_BE_WRITTEN.pattern):
-        write_preview(tmp_path / "no" / "a.html", "x", tests, values)
+        write_preview(tmp_path / "no" / "a.html", "x", tests, values, {})

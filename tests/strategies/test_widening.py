@@ -48,8 +48,10 @@ def test_the_bound_in_the_way_is_moved_and_no_other(
             PROBLEM.intervals[parameter][0],
         )
     )
+    unit = {"density": " kg/m³"}.get(parameter, "")
     assert widenings(PROBLEM, found) == [
-        f"{parameter}.{key} = {was:g} was in the way and has been moved to {suggestion:g}."
+        f"{parameter}.{key} = {was:g}{unit} was in the way and has been moved to "
+        f"{suggestion:g}{unit}."
     ]
 
 

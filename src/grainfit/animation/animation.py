@@ -13,6 +13,7 @@ from grainfit.animation.page import AnimatedRun, animation_page
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.campaign.batch import run_folders, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
+from grainfit.contact_models.registry import material_units
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Evaluation, name_of_test
 from grainfit.files import write_atomically
@@ -168,6 +169,7 @@ def _animation(
         solver.name,
         proposal.seed,
         proposal.parameters,
+        material_units(proposal.parameters) | setup.problem.units,
         evaluation.failures.get(test, ""),
     )
     path = folder / PAGE

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from grainfit.animation.drawn_film import DrawnFilm
-from grainfit.formatting import counted, in_a_row, number, plain
+from grainfit.formatting import assigned, counted, in_a_row, number, plain
 from grainfit.preview.scene_picture import COLOURS
 from grainfit.preview.scene_text import stage_text
 from grainfit.report.package_page import package_page
@@ -40,6 +40,8 @@ class AnimatedRun:
         Insertion seed.
     parameters : mapping of str to float
         Values of the free parameters.
+    units : mapping of str to str
+        Their units.
     failure : str
         Why the run failed; empty if it did not.
     """
@@ -49,6 +51,7 @@ class AnimatedRun:
     solver: str
     seed: int
     parameters: Mapping[str, float]
+    units: Mapping[str, str]
     failure: str
 
 
@@ -58,7 +61,7 @@ def animation_page(run: AnimatedRun, film: DrawnFilm) -> str:
         "grainfit.animation",
         name=plain(run.name),
         run=run,
-        values=in_a_row(f"{key} = {value:.4g}" for key, value in run.parameters.items()),
+        values=in_a_row(assigned(run.parameters, run.units)),
         failure=plain(run.failure),
         frames=counted(film.frames, "frame"),
         particles=_particles(film),

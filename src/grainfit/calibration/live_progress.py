@@ -16,7 +16,7 @@ from rich.text import Text
 from grainfit.calibration import messages
 from grainfit.calibration.progress import Progress
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import duration, plain
+from grainfit.formatting import assigned, duration, plain
 
 #: Interval of the lines of progress without a terminal, s.
 _LINE_SECONDS = 15.0
@@ -34,9 +34,18 @@ class LiveProgress:
         Output; by default standard error, or the notebook.
     every_run : bool
         Print a line for every evaluation that has ended.
+    units : mapping of str to str, optional
+        Units of parameters and responses, for these lines.
     """
 
-    def __init__(self, console: Console | None = None, *, every_run: bool = False) -> None:
+    def __init__(
+        self,
+        console: Console | None = None,
+        *,
+        every_run: bool = False,
+        units: Mapping[str, str] | None = None,
+    ) -> None:
+        self._units = units or {}
         self._console = console or Console(stderr=True)
         self._is_live = _can_draw(self._console)
         self._bar = Bar(
@@ -78,7 +87,7 @@ class LiveProgress:
         self._notices = len(progress.notices)
         if self._printed is not None:
             for evaluation in progress.evaluations[self._printed :]:
-                self._print(_words_on_run(evaluation))
+                self._print(_words_on_run(evaluation, self._units))
             self._printed = len(progress.evaluations)
         line = self._describe(progress)
         if self._is_live:
@@ -124,11 +133,12 @@ def _can_draw(console: Console) -> bool:
     return console.is_interactive
 
 
-def _words_on_run(evaluation: Evaluation) -> str:
+def _words_on_run(evaluation: Evaluation, units: Mapping[str, str]) -> str:
     """Return parameters, responses and failures of an evaluation in one line."""
     proposal = evaluation.proposal
-    asked = ", ".join(f"{name} = {value:.5g}" for name, value in proposal.parameters.items())
-    found = [f"{name} = {given.value:.5g}" for name, given in evaluation.responses.items()]
+    asked = ", ".join(assigned(proposal.parameters, units, 5))
+    values = {name: given.value for name, given in evaluation.responses.items()}
+    found = [*assigned(values, units, 5)]
     found += [f"{name}: a curve of {len(c.values)} points" for name, c in evaluation.curves.items()]
     found += [f"{test} failed: {why}" for test, why in evaluation.failures.items()]
     took = duration(evaluation.simulated_seconds) if evaluation.simulated_seconds else "known"

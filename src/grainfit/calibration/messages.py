@@ -42,10 +42,10 @@ VERIFICATION_FAILED = Message("{failed} of {ended} verification runs failed: {wh
 
 # Notices of the result.
 ON_BOUND = Message(
-    "{parameter} lies on its bound {bound} = {value:g}: a wider interval may fit better."
+    "{parameter} lies on its bound {bound} = {value}: a wider interval may fit better."
 )
 AGREES_UP_TO_BOUND = Message(
-    "{parameter} agrees up to its bound {bound} = {value:g}: a wider interval may fit better."
+    "{parameter} agrees up to its bound {bound} = {value}: a wider interval may fit better."
 )
 NO_INTERVALS = Message("The 95 % intervals of the parameters were not calculated: {why}.")
 NOT_WRITTEN = Message("{path!r} cannot be written: {why}.")

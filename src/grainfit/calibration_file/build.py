@@ -24,7 +24,7 @@ from grainfit.calibration_file.settings import quantity_of, set_values
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.work_folder import default_workdir
-from grainfit.contact_models.registry import material_parameter
+from grainfit.contact_models.registry import material_units
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.formatting import with_unit
@@ -116,9 +116,7 @@ class CalibrationSetup:
         with suppress(OSError):
             text = self.file.path.read_text(encoding="utf-8", errors="replace")
         fixed = self.file.fixed
-        known = {name: material_parameter(name) for name in fixed}
-        units = {name: found.unit for name, found in known.items() if found is not None}
-        return Provenance(self.file.path.name, text, fixed, units)
+        return Provenance(self.file.path.name, text, fixed, material_units(fixed))
 
     @property
     def missing_for_time_step(self) -> tuple[str, ...]:

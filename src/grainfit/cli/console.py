@@ -16,7 +16,7 @@ from rich.text import Text
 from grainfit.cli import messages
 from grainfit.errors import GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Curve, Measured, curves, scalars
-from grainfit.formatting import duration, plain
+from grainfit.formatting import assigned, duration, in_unit, plain, unit_for_people, with_unit
 
 if TYPE_CHECKING:
     from grainfit.analysis.scatter import RepeatedRuns
@@ -202,10 +202,11 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
     for failure in status.failed:
         console.print(_text(f"failed: {failure.reason} ({failure.folder})", "red"))
     if status.result:
-        for name, value in status.result.parameters.items():
+        values, units = status.result.parameters, status.result.units
+        for line, (name, value) in zip(assigned(values, units, 5), values.items(), strict=True):
             found = status.result.intervals.get(name)
-            words = f" ({found.in_words(value)})" if found else ""
-            console.print(_text(f"{name} = {value:.5g}{words}"))
+            words = f" ({found.in_words(value, units.get(name, ''))})" if found else ""
+            console.print(_text(f"{line}{words}"))
     if status.result_fault:
         print_warning(console, status.result_fault)
 
@@ -224,7 +225,8 @@ def print_run(console: Console, runs: RepeatedRuns, folders: Mapping[str, Path])
     [evaluation] = runs.evaluations
     found: dict[str, Measured] = {**evaluation.responses, **evaluation.curves}
     if found:
-        console.print(_measured_table(found, "standard error of this run"))
+        units = {response.name: response.unit for response in runs.responses}
+        console.print(_measured_table(found, "standard error of this run", units))
     for remark in runs.remarks:
         console.print(_text(remark, "yellow"))
     for test, reason in evaluation.failures.items():
@@ -295,22 +297,32 @@ def print_preview(
 
 def print_measurement(console: Console, responses: Mapping[str, Measured]) -> None:
     """Print measured responses."""
-    console.print(_measured_table(responses, "standard error"))
+    console.print(_measured_table(responses, "standard error", {}))
 
 
-def _measured_table(responses: Mapping[str, Measured], error: str) -> Table:
+def _measured_table(
+    responses: Mapping[str, Measured], error: str, units: Mapping[str, str]
+) -> Table:
+    """Return measured responses; units not given are those of the installed bulk tests."""
+    from grainfit.bulk_tests.registry import curve_info, response_info
+
     table = _table("response", "value", error)
     for name, response in scalars(responses).items():
-        table.add_row(_text(name), _number(response.value), _number(response.standard_error))
+        known = response_info(name.rpartition(".")[2])
+        head = in_unit(name, units.get(name) or (known.unit if known else ""))
+        table.add_row(_text(head), _number(response.value), _number(response.standard_error))
     for name, curve in curves(responses).items():
-        table.add_row(_text(name), *_ends(curve))
+        info = curve_info(name.rpartition(".")[2])
+        head = in_unit(name, info.unit if info else "")
+        table.add_row(_text(head), *_ends(curve, info.coordinate_unit if info else ""))
     return table
 
 
-def _ends(curve: Curve) -> tuple[str, str]:
+def _ends(curve: Curve, coordinate_unit: str) -> tuple[str, str]:
     low, high = (_number(curve.values[end]) for end in (0, -1))
     first, last = (_number(curve.coordinates[end]) for end in (0, -1))
-    return f"{low} to {high}", f"(over {first} to {last})"
+    over = with_unit(f"{first} to {last}", unit_for_people(coordinate_unit))
+    return f"{low} to {high}", f"(over {over})"
 
 
 def print_warning(console: Console, text: str) -> None:

@@ -16,7 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from grainfit.campaign.store.records import RunRecord
-from grainfit.formatting import counted, plain, plain_lines
+from grainfit.formatting import assigned, counted, plain, plain_lines, unit_for_people
 from grainfit.work_folder.run_columns import RunColumns, run_columns
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 #: This many digits of an identity distinguish runs, and `grainfit runs show` accepts them.
 SHORT_IDENTITY = 7
 _NUMBER_WIDTH = 9
+_DIGITS_OF_A_RUN = 6
 _LEAST_STATUS = 8
 _GAP = 2
 _PREFIXES = ("", "k", "M", "G", "T")
@@ -86,7 +87,7 @@ def _width(columns: Sequence[str], shown: RunColumns, last: Sequence[str] = ()) 
 
 
 def _column_width(name: str, shown: RunColumns) -> int:
-    heading = max(map(len, _heading(name).split("\n")))
+    heading = max(map(len, _heading(name, shown).split("\n")))
     return max(heading, *map(cell_len, _texts(name, shown)))
 
 
@@ -96,7 +97,7 @@ def _as_rich(columns: Sequence[str], shown: RunColumns, width: int) -> Table:
     left = width - _width([name for name in columns if name != "status"], shown) - _GAP
     for name in columns:
         justify: JustifyMethod = "left" if name in ("identity", "test", "status") else "right"
-        table.add_column(Text(_heading(name)), justify=justify, no_wrap=True)
+        table.add_column(Text(_heading(name, shown)), justify=justify, no_wrap=True)
     cells = {name: list(map(Text, _texts(name, shown))) for name in columns}
     for status in cells.get("status", ()):
         status.truncate(max(left, _LEAST_STATUS), overflow="ellipsis")
@@ -119,26 +120,31 @@ def _texts(name: str, shown: RunColumns) -> list[str]:
     ]
 
 
-def _heading(name: str) -> str:
-    """Break a long name between its words: columns of numbers are narrow."""
+def _heading(name: str, shown: RunColumns) -> str:
+    """Break a long name between its words, for columns of numbers are narrow; below is its unit."""
     lines = [""]
     for word in re.findall(r"[^._]*[._]|[^._]+", plain(name)):
         if lines[-1] and len(lines[-1]) + len(word) > _NUMBER_WIDTH:
             lines.append("")
         lines[-1] += word
-    return "\n".join(lines)
+    # The name of the column of seconds is their unit.
+    unit = "" if name == "seconds" else unit_for_people(shown.units.get(name, ""))
+    return "\n".join([*lines, *([f"in {unit}"] if unit else [])])
 
 
 def print_record(console: Console, record: RunRecord, folder: Path | None) -> None:
     """Print all that is known of a run."""
-    for name, [cell] in run_columns([record]).values.items():
-        if cell not in ("", None):
+    columns = run_columns([record])
+    for name, [cell] in columns.values.items():
+        if isinstance(cell, float):
+            _line(console, *assigned({name: cell}, columns.units, _DIGITS_OF_A_RUN))
+        elif cell not in ("", None):
             shown = cell.isoformat(timespec="seconds") if isinstance(cell, datetime) else cell
             _line(console, f"{name} = {shown}")
     if folder is not None:
         _line(console, f"folder = {folder}")
     _line(console, "")
-    _line(console, "definition, all that decides the outcome:")
+    _line(console, "definition, all that decides the outcome, in SI units:")
     for line in json.dumps(record.definition.to_json(), indent=2, ensure_ascii=False).splitlines():
         _line(console, f"  {line}")
     if record.log_tail:

@@ -73,6 +73,12 @@ def material_parameter(name: str) -> MaterialParameter | None:
     return known.of_wall(wall) if known is not None and wall else known
 
 
+def material_units(names: Iterable[str]) -> dict[str, str]:
+    """Return the SI units of those names that are material parameters."""
+    known = {name: material_parameter(name) for name in names}
+    return {name: found.unit for name, found in known.items() if found is not None}
+
+
 def is_material_parameter(name: str) -> bool:
     """Return True for the names of material parameters, those of walls with a name included."""
     return plain_name(name) in MATERIAL_PARAMETERS

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from grainfit.formatting import counted, in_a_row, plain
+from grainfit.formatting import assigned, counted, in_a_row, plain
 from grainfit.preview.geometry import Geometry, State
 from grainfit.preview.previewed_test import PreviewedTest
 from grainfit.preview.scene_picture import COLOURS
@@ -21,13 +21,18 @@ _MOST_PARTICLES = 20_000
 _STATES: Mapping[State, str] = {"still": "stand still", "moving": "move", "later": "put later"}
 
 
-def preview_page(name: str, tests: Sequence[PreviewedTest], values: Mapping[str, float]) -> str:
+def preview_page(
+    name: str,
+    tests: Sequence[PreviewedTest],
+    values: Mapping[str, float],
+    units: Mapping[str, str],
+) -> str:
     """Return a page of tests at values of the free parameters that needs no network."""
     keyed = {f"test-{number}": test for number, test in enumerate(tests, 1)}
     return package_page(
         "grainfit.preview",
         name=plain(name),
-        values=in_a_row(f"{key} = {value:.4g}" for key, value in values.items()),
+        values=in_a_row(assigned(values, units)),
         tests=[_described(key, test) for key, test in keyed.items()],
         data=script_json({key: _scene(test.geometry) for key, test in keyed.items()}),
     )

@@ -79,7 +79,11 @@ def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None
 
 
 def write_preview(
-    path: Path, name: str, tests: Sequence[PreviewedTest], values: Mapping[str, float]
+    path: Path,
+    name: str,
+    tests: Sequence[PreviewedTest],
+    values: Mapping[str, float],
+    units: Mapping[str, str],
 ) -> tuple[Path, Path]:
     """Write the page and, beside it, the picture; return both paths.
 
@@ -94,7 +98,7 @@ def write_preview(
         path = path.with_suffix(".html")
     picture = path.with_suffix(".png")
     try:
-        write_atomically(path, preview_page(name, tests, values))
+        write_atomically(path, preview_page(name, tests, values, units))
         write_picture(picture, name, tests)
     except OSError as error:
         about = {"path": str(path), "reason": error.strerror or error}

@@ -129,6 +129,14 @@ class Problem:
         """Names of all responses that were measured: those of the targets, then the curves."""
         return (*(t.name for t in self.targets), *(curve.name for curve in self.curves))
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of parameters and responses by name, in which their values are."""
+        return {item.name: item.unit for item in self.parameters} | {
+            **{target.name: target.unit for target in self.targets},
+            **{curve.name: curve.unit for curve in self.curves},
+        }
+
     @cached_property
     def correlation_matrix(self) -> NDArray[np.float64]:
         """Correlations of the errors of the measured values, shape (targets, targets)."""

@@ -22,7 +22,7 @@ DESIGN_TOO_SMALL = Message(
 )
 DESIGN_OVER_BUDGET = Message("{runs} are too few for the design.", "Allow at least {fewest}.")
 NO_TARGET_IN_OUTCOME = Message("has {given}, which is no target.", "The targets are: {targets}.")
-BOUND_MOVED = Message("{bound} = {was:g} was in the way and has been moved to {now:g}.")
+BOUND_MOVED = Message("{bound} = {was} was in the way and has been moved to {now}.")
 LARGEST_TIME_STEP = Message(
     "Of the parameter sets that agree with the measurements, the one with the largest Rayleigh "
     "time step was taken: {gained:+.1%} against the closest one."

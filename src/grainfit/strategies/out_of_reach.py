@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from grainfit.contact_models.registry import material_parameter
+from grainfit.formatting import unit_for_people, with_unit
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
@@ -132,7 +133,7 @@ def _describe(
         target, error = metamodels.problem.targets[index], float(np.sqrt(variances[0, index]))
         nearest = float(means[0, index])
         basics = (target.name, target.value, nearest, error, jointly)
-        miss = OutOfReach(*basics, is_relative=target.is_relative)
+        miss = OutOfReach(*basics, is_relative=target.is_relative, unit=target.unit)
     slopes = metamodels.models[index].gradients(point[None])[0]
     blocked = list(_blocking(point, slopes * np.sign(missing)))
     if not blocked:
@@ -145,6 +146,7 @@ def _describe(
     return replace(
         miss,
         parameter=parameter.name,
+        parameter_unit=parameter.unit,
         bound="max" if upper else "min",
         bound_value=bound,
         suggestion=_suggestion(parameter, position, bound, upper),
@@ -258,10 +260,16 @@ def _with_bounds(parameter: Parameter, low: float, high: float) -> Parameter:
     return replace(parameter, minimum=low, maximum=high)
 
 
+def _bound(value: float, unit: str) -> str:
+    return with_unit(f"{value:g}", unit_for_people(unit))
+
+
 def widenings(before: Problem, after: Problem) -> list[str]:
     """Return messages that say which bounds were moved."""
     return [
-        messages.BOUND_MOVED(bound=f"{old.name}.{key}", was=was, now=now)
+        messages.BOUND_MOVED(
+            bound=f"{old.name}.{key}", was=_bound(was, old.unit), now=_bound(now, old.unit)
+        )
         for old, new in zip(before.parameters, after.parameters, strict=True)
         for key, was, now in (
             ("min", old.minimum, new.minimum),

@@ -117,7 +117,7 @@ CURVE_MISS = Message(
     "most at {coordinate} = {worst}"
 )
 OUT_OF_REACH = Message(
-    "{target} = {value:g} is out of reach{together}: the nearest that the metamodels expect within "
+    "{target} = {value} is out of reach{together}: the nearest that the metamodels expect within "
     "the intervals is {nearest}{share}."
 )
 CURVE_OUT_OF_REACH = Message(
@@ -126,7 +126,7 @@ CURVE_OUT_OF_REACH = Message(
 )
 NO_SUCH_SHAPE = Message("No simulated curve has the shape of the measured one.")
 NO_BOUND = Message("No single bound is in the way: free another parameter.")
-BOUND = Message("The bound in the way is {bound}; try {suggestion:g}.")
+BOUND = Message("The bound in the way is {bound}; try {suggestion}.")
 NO_BOUND_BEYOND = Message(
     "The bound in the way is {bound}, and no possible value beyond it is enough: free another "
     "parameter."

@@ -70,6 +70,8 @@ class OutOfReach:
         Whether deviations relative to the value make sense.
     curve : CurveMiss, optional
         Of a target that is a curve.
+    unit, parameter_unit : str
+        Units of the target and of the parameter.
     """
 
     target: str
@@ -83,6 +85,8 @@ class OutOfReach:
     suggestion: float | None = None
     is_relative: bool = True
     curve: CurveMiss | None = None
+    unit: str = ""
+    parameter_unit: str = ""
 
     @property
     def shortfall_percent(self) -> float | None:
@@ -97,10 +101,14 @@ class OutOfReach:
             return f"{self._missed()} {messages.NO_SUCH_SHAPE()}"
         if self.parameter is None:
             return f"{self._missed()} {messages.NO_BOUND()}"
-        bound = f"{self.parameter}.{self.bound} = {self.bound_value:g}"
+        bound = f"{self.parameter}.{self.bound} = {self._in_words(self.bound_value)}"
         if self.suggestion is None:
             return f"{self._missed()} {messages.NO_BOUND_BEYOND(bound=bound)}"
-        return f"{self._missed()} {messages.BOUND(bound=bound, suggestion=self.suggestion)}"
+        suggestion = self._in_words(self.suggestion)
+        return f"{self._missed()} {messages.BOUND(bound=bound, suggestion=suggestion)}"
+
+    def _in_words(self, bound: float | None) -> str:
+        return with_unit(f"{bound:g}", unit_for_people(self.parameter_unit))
 
     def _missed(self) -> str:
         together = " together with the other targets" if self.jointly else ""
@@ -111,5 +119,9 @@ class OutOfReach:
         share = "" if self.shortfall_percent is None else f" ({self.shortfall_percent:+.1f} %)"
         nearest = plain_interval(self.nearest, NORMAL_QUANTILE * self.standard_error)
         return messages.OUT_OF_REACH(
-            target=self.target, value=self.value, together=together, nearest=nearest, share=share
+            target=self.target,
+            value=with_unit(f"{self.value:g}", unit_for_people(self.unit)),
+            together=together,
+            nearest=with_unit(nearest, unit_for_people(self.unit)),
+            share=share,
         )

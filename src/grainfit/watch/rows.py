@@ -14,7 +14,7 @@ from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.work_folder import PARTIAL_SUFFIX
 from grainfit.evaluation import names_of_tests
 from grainfit.formatting import (
-    number,
+    assigned,
     plain,
     plain_lines,
     probability,
@@ -113,7 +113,9 @@ def run_rows(
     asked = {run: (request, name) for request in requests for name, run in request.runs.items()}
     begun = _beginnings(saved.folder)
     usual = _usual_seconds(saved.records.values())
-    rows = [_run_row(run, asked.get(run.identity), begun, usual) for run in live.pending]
+    rows = [
+        _run_row(run, asked.get(run.identity), begun, usual, saved.units) for run in live.pending
+    ]
     counts = {state: sum(row["state"] == state for row in rows) for state in _RUN_STATES}
     rows.sort(key=lambda row: _RUN_STATES.index(row["state"]))
     return rows[:MOST_ROWS], counts
@@ -127,6 +129,7 @@ def _run_row(
     asked: tuple[RequestRecord, str] | None,
     begun: Mapping[str, float],
     usual: Mapping[str, float],
+    units: Mapping[str, str],
 ) -> Row:
     since = begun.get(run.identity, run.submitted)
     request, name = asked if asked else (None, run.test)
@@ -139,7 +142,7 @@ def _run_row(
         "since": since or None,
         "usual": usual.get(run.test),
         "tries": run.tries,
-        "parameters": _values(request.parameters) if request else "",
+        "parameters": ", ".join(assigned(request.parameters, units)) if request else "",
     }
 
 
@@ -150,10 +153,6 @@ def _state_of(run: PendingRun, has_folder_now: bool) -> str:
         return "running"
     # Of a Python function in another process, nobody knows whether it has begun.
     return "waiting" if run.has_folder else "submitted"
-
-
-def _values(parameters: Mapping[str, float]) -> str:
-    return ", ".join(f"{plain(name)} = {number(value, 4)}" for name, value in parameters.items())
 
 
 def _usual_seconds(records: Iterable[RunRecord]) -> dict[str, float]:

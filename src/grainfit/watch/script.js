@@ -244,7 +244,7 @@
       intervals ? "95 % interval" : null, intervals ? "by the runs" : null, "searched"];
     const rows = parameters.map((row) => [
       [named(row)], known ? unit(row.value, row.unit) : null,
-      intervals ? row.interval : null, intervals ? [row.determination, row.bias].filter(Boolean).join(": ") : null, row.searched,
+      intervals ? unit(row.interval, row.unit) : null, intervals ? [row.determination, row.bias].filter(Boolean).join(": ") : null, unit(row.searched, row.unit),
     ]);
     const keep = (cells) => cells.filter((cell) => cell !== null);
     const parts = rows.length ? [table(keep(heads), rows.map(keep))] : [];

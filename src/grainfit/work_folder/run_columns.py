@@ -10,7 +10,7 @@ from typing import Any
 
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
-from grainfit.contact_models.registry import material_parameter
+from grainfit.contact_models.registry import material_units
 from grainfit.errors import InputError
 from grainfit.evaluation import ERROR_SUFFIX, scalars
 from grainfit.work_folder import messages
@@ -65,8 +65,7 @@ class RunColumns:
     @property
     def parameter_units(self) -> dict[str, str]:
         """SI units by name of the parameter, where they are known."""
-        known = {name: material_parameter(name) for name in self.parameters}
-        return {name: found.unit for name, found in known.items() if found is not None}
+        return material_units(self.parameters)
 
     @cached_property
     def units(self) -> Mapping[str, str]:

@@ -66,8 +66,14 @@ def _write_csv(runs: RunColumns, path: Path) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         # The line ends of the CSV standard; with them, a reason of several lines is always quoted.
         lines = csv.writer(file, lineterminator="\r\n")
-        lines.writerow(map(spreadsheet_text, runs.values))
+        lines.writerow(spreadsheet_text(_heading(name, runs)) for name in runs.values)
         lines.writerows(map(_cell, row) for row in zip(*columns, strict=True))
+
+
+def _heading(name: str, runs: RunColumns) -> str:
+    """Return a name with its unit, as tables that are read may have it."""
+    unit = runs.units.get(name, "")
+    return f"{name} [{unit}]" if unit and name != "seconds" else name
 
 
 def _cell(value: str | float | datetime | None) -> str | float | None:

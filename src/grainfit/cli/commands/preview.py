@@ -37,13 +37,15 @@ def preview(
     """
     from grainfit.calibration_file.planned import load_tests
     from grainfit.calibration_file.settings import set_values
+    from grainfit.contact_models.registry import material_units
     from grainfit.preview.preview import preview_tests, write_preview
 
     planned = load_tests(file)
     values = set_values(planned.file, settings or [])
     tests = preview_tests(planned.solvers, values, seed, str(file))
+    units = material_units(values) | {p.name: p.unit for p in planned.file.parameters}
     page, picture = write_preview(
-        output or Path(f"{file.stem}.preview.html"), planned.file.name, tests, values
+        output or Path(f"{file.stem}.preview.html"), planned.file.name, tests, values, units
     )
     show.print_preview(out, tests, page, picture)
     if open_it:

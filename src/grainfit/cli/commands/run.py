@@ -134,7 +134,7 @@ def _calibrate(setup: CalibrationSetup, folder: Path, **given: Any) -> Result:
     on_command_line = {name for name, value in given.items() if value not in (None, ())}
     with (
         with_lines(setup.file.path, besides=on_command_line),
-        LiveProgress(err_remarks, every_run=is_verbose()) as progress,
+        LiveProgress(err_remarks, every_run=is_verbose(), units=setup.problem.units) as progress,
     ):
         result = setup.calibrate(folder, on_progress=progress.update, **given)
     if is_quiet():

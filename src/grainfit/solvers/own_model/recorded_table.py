@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
+from grainfit.bulk_tests.registry import response_info
+from grainfit.contact_models.registry import material_units
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.evaluation.exchange import finite_parameters
@@ -60,7 +62,8 @@ class RecordedTable(Solver):
     name : str
         Display name.
     units : mapping of str to str, optional
-        Units of parameters and responses, to convert columns whose headings state others.
+        Units of parameters and responses, to convert columns whose headings state others; by
+        default those of material parameters and of responses of bulk tests.
 
     Raises
     ------
@@ -90,7 +93,8 @@ class RecordedTable(Solver):
         self._responses = tuple(responses)
         self._nearest = nearest
         self._tolerance = tolerance
-        recorded = _read(source, self._parameters, self._responses, units or {})
+        known = _known_units(self._parameters, self._responses) | dict(units or {})
+        recorded = _read(source, self._parameters, self._responses, known)
         rows, self._understood = recorded.rows, recorded.understood
         self._places = recorded.places
         self._points = np.array([[row[name] for name in self._parameters] for row in rows])
@@ -197,6 +201,12 @@ class RecordedTable(Solver):
     def _pick(self, replicates: list[int], seed: int) -> int:
         recorded = [index for index in replicates if self._rows[index].get(SEED_COLUMN) == seed]
         return recorded[0] if recorded else replicates[seed % len(replicates)]
+
+
+def _known_units(parameters: Sequence[str], responses: Sequence[str]) -> dict[str, str]:
+    known = {name: response_info(name) for name in responses}
+    found = {name: info.unit for name, info in known.items() if info is not None and info.unit}
+    return material_units(parameters) | found
 
 
 def _hash(rows: Sequence[Mapping[str, float]]) -> str:
