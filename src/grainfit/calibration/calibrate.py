@@ -41,7 +41,12 @@ from grainfit.strategies.registry import DEFAULT_STRATEGY, as_strategy
 from grainfit.validation import whole_number_faults
 from grainfit.verdict.options import VERDICT
 
-Simulate = Callable[[dict[str, float], int], Mapping[str, Any]] | Solver | Mapping[str, Solver]
+Simulate = (
+    Callable[[dict[str, float], int], Mapping[str, Any]]
+    | Callable[[dict[str, float]], Mapping[str, Any]]
+    | Solver
+    | Mapping[str, Solver]
+)
 
 
 def calibrate(
@@ -74,8 +79,8 @@ def calibrate(
         Free parameters and targets.
     simulate : callable, Solver, or mapping of str to Solver
         ``simulate(parameters: dict[str, float], seed: int) -> dict[str, float]`` called once per
-        run; or a solver; or one solver for each of several tests, by name of the test: responses
-        are then called ``test.response``.
+        run, or ``simulate(parameters)`` of a deterministic model; or a solver; or one solver for
+        each of several tests, by name of the test: responses are then called ``test.response``.
     strategy : str or Strategy
         Search strategy: ``"sequential"`` places each run where it is expected to improve the answer
         most; ``"staged"`` follows the three steps of the method. Or an object with options, such as

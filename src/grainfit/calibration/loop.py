@@ -357,7 +357,8 @@ class CalibrationLoop:
                     ended.append(evaluation)
                 else:
                     self._strategy.tell(evaluation.proposal, evaluation)
-            if waiting and ended:
+            if ended:
+                # A watch is told as well.
                 waiting = self._without_known(waiting)
         ended.sort(key=lambda evaluation: order[evaluation.proposal.seed])
         repetitions = self._repetitions(self._evaluations)
