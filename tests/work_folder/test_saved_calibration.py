@@ -139,7 +139,7 @@ def test_a_warm_start_counts_in_all_that_is_said(tmp_path: Path) -> None:
     assert f"Besides these, a warm start used {first.runs.total} of other calibrations." in page
     assert "a run of another calibration" in page
     # The second has hardly another place than its answer, and alone would tell nothing.
-    assert "particle.density is determined to" in page
+    assert "particle density of the solid is determined to" in page
 
 
 def test_another_weight_of_the_time_step_is_another_calibration(tmp_path: Path) -> None:

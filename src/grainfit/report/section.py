@@ -7,6 +7,7 @@ nothing of the page around it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -112,6 +113,14 @@ class ReportContext:
     def parameter_label(self, name: str) -> Label:
         """Return the label of a free or fixed parameter on the page."""
         return label_of_parameter(self.reading, name)
+
+    def in_words(self, sentence: str) -> str:
+        """Return a sentence with the words of the page for free parameters and responses."""
+        labels = [self.parameter_label(p.name) for p in self.parameters]
+        labels += [self.response_label(name) for name in self.reading.problem.responses]
+        words = {plain(label.name): label.words for label in labels}
+        names = "|".join(map(re.escape, sorted(words, key=len, reverse=True)))
+        return re.sub(rf"(?<![\w.])(?:{names})(?![\w.]*\w)", lambda m: words[m[0]], plain(sentence))
 
     def response_label(self, name: str) -> Label:
         """Return the label of a response on the page."""

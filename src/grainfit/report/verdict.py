@@ -126,7 +126,7 @@ def _determinations(context: ReportContext) -> Iterator[str]:
         if p.name in context.intervals and p.name in context.answer
     )
     if words:
-        yield f"{words[0].upper()}{words[1:]}."
+        yield context.in_words(f"{words[0].upper()}{words[1:]}.")
 
 
 def _accepted(response: ResponseResult) -> str:

@@ -56,4 +56,4 @@ def _further_test(context: ReportContext) -> str:
     found = context.analysis.identifiability
     if context.posterior is None or found is None or not found.further_tests:
         return ""
-    return plain(found.further_tests[0])
+    return context.in_words(found.further_tests[0])

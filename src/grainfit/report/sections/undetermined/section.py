@@ -30,8 +30,8 @@ def undetermined(context: ReportContext) -> Section:
     }
     html = fill_template(
         f"{_KEY}/page",
-        verdicts=[plain(verdict) for verdict in found.verdicts],
-        further_tests=[plain(test) for test in found.further_tests],
+        verdicts=[context.in_words(verdict) for verdict in found.verdicts],
+        further_tests=[context.in_words(test) for test in found.further_tests],
         advise=_advise_command(context),
         missing=without_metamodel(context),
         figures=list(figures),
