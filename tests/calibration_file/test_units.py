@@ -114,10 +114,10 @@ def test_percent_may_be_written_as_a_word() -> None:
     ],
 )
 def test_hostile_text_is_refused_at_once(text: str) -> None:
-    started = time.perf_counter()
+    started = time.process_time()
     with pytest.raises(UnitError) as caught:
         to_unit(text, "m")
-    assert time.perf_counter() - started < 1.0
+    assert time.process_time() - started < 1.0
     assert len(str(caught.value)) < 300
 
 

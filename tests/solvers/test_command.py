@@ -429,18 +429,17 @@ def test_result_of_the_simulation_does_not_pass_for_that_of_the_evaluation(tmp_p
 def test_time_out_is_for_simulation_and_evaluation_together(tmp_path):
     folder = model_folder(
         tmp_path,
-        evaluate__py="import time\ndef measure(folder): time.sleep(600)\n",
+        evaluate__py=(
+            "import time\ndef measure(folder):\n    time.sleep(4)\n    return {'a': 1.0}\n"
+        ),
     )
     solver = Command(
-        folder, ["python3", "-c", "import time; time.sleep(2)"], evaluate="evaluate.py:measure"
+        folder, ["python3", "-c", "import time; time.sleep(3)"], evaluate="evaluate.py:measure"
     )
-    started = time.monotonic()
 
-    with pytest.raises(RunFailedError, match=re.escape(messages.EVALUATION_TOO_LONG(timeout=3.0))):
-        solver.run({}, 1, workspace(tmp_path, timeout=3.0))
-
-    # A time-out of its own for the evaluation would end it 5 s after the start.
-    assert 3.0 <= time.monotonic() - started < 4.9
+    # Each of them alone is shorter than the time-out.
+    with pytest.raises(RunFailedError, match=re.escape(messages.EVALUATION_TOO_LONG(timeout=6.0))):
+        solver.run({}, 1, workspace(tmp_path, timeout=6.0))
 
 
 def test_cancelling_reaches_the_evaluation(tmp_path):
@@ -677,7 +676,8 @@ def test_a_template_that_never_ends_is_ended_by_the_time_out(tmp_path, text):
         solver.run({"x": 1.0}, 1, workspace(tmp_path, timeout=0.5))
 
     assert caught.value.kind == "timeout"
-    assert time.monotonic() - started < 10
+    # It never ends by itself.
+    assert time.monotonic() - started < 60
 
 
 def test_a_template_that_never_ends_is_ended_by_ctrl_c(tmp_path):

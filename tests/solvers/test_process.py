@@ -60,10 +60,11 @@ def pids_in(folder: Path) -> list[int]:
 def test_output_goes_to_the_log_and_the_wall_time_is_returned(tmp_path):
     code = "import sys, time; print('out'); print('err', file=sys.stderr); time.sleep(0.2)"
 
+    began = time.monotonic()
     seconds = run_process(python(code), Workspace(tmp_path))
 
     assert set((tmp_path / LOG_NAME).read_text().split()) == {"out", "err"}
-    assert 0.2 <= seconds < 10
+    assert 0.2 <= seconds <= time.monotonic() - began
 
 
 def test_log_can_have_another_name(tmp_path):

@@ -115,7 +115,8 @@ def test_a_folder_in_use_is_refused_soon(tmp_path: Path) -> None:
         began = time.monotonic()
         with pytest.raises(StoreError, match=messages.FOLDER_IN_USE.pattern), hold(tmp_path):
             pass
-        assert time.monotonic() - began < 5
+        # A lock of another machine is watched for 20 s.
+        assert time.monotonic() - began < 15
 
 
 @pytest.mark.parametrize(
