@@ -81,6 +81,7 @@ class TestYade(SceneContract, GluedContract, ImpactContract, ClumpContract):
     sliding_tolerance = 0.18
     # Until the spring slides, that dashpot is not limited: measured, 0.003 m/s at 0.3 m/s.
     slide_kick = 0.004
+    is_slow = True
 
     def tube_floor(self, radius):
         # A panel, flat, of a polygon with the area of the circle.

@@ -127,10 +127,13 @@ class SimulatedScenes:
         R* of a particle on a plane wall, over its radius.
     slide_kick : float
         Change of speed when a particle begins to slide, beyond that of friction, m/s.
+    is_slow : bool
+        Thousands of particles take minutes.
     """
 
     wall_radius: ClassVar[float] = 1.0
     slide_kick: ClassVar[float] = 0.0
+    is_slow: ClassVar[bool] = False
 
     @pytest.fixture
     def solver(self) -> DeckSolver:

@@ -25,6 +25,7 @@ from grainfit.scenes.records import (
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Load, Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import Block, Cylinder, Plane
+from grainfit.testing.lowered_bed import Tube, floor_shares, lowered_bed
 from grainfit.testing.simulated_scenes import (
     BOX,
     DAMPED,
@@ -166,6 +167,24 @@ class StageContract(SimulatedScenes):
             assert forces["floor"] + forces["wall"] == pytest.approx(-weight, rel=1e-2)
         # The bed hangs on the wall once it has moved down.
         assert forces["wall"] < -0.1 * weight
+
+    @pytest.mark.slow
+    def test_a_lowered_bed_hangs_on_a_wide_tube_as_janssen_says(self, run: Run) -> None:
+        if self.is_slow:
+            pytest.skip("takes minutes; benchmarks/janssen.py has these runs")
+        values = material(restitution=0.6, sliding_friction=0.4)
+        tube = Tube(20 * RADIUS, 20 * RADIUS, has_radial_forces=False)
+        column = random_column(SIZES, 3400, Round(tube.radius), 1)
+        step = time_step(SIZES, values, 0.12)
+        out = run(lowered_bed(tube, column, values, SIZES, GRAVITY, step))
+
+        out.require_complete(["fill", "hold", "lower", "stop", "after"], "tube")
+        found = floor_shares(out, tube, SIZES, GRAVITY)
+        assert found["hold_sum"] == pytest.approx(1.0, abs=1e-2)
+        assert found["after_sum"] == pytest.approx(1.0, abs=1e-2)
+        assert found["after_floor"] == pytest.approx(found["after_janssen"], rel=0.1)
+        # Lowering the floor is what makes the bed hang.
+        assert found["after_floor"] < 0.85 * found["hold_floor"]
 
     def test_an_empty_box_is_a_result(self, run: Run) -> None:
         columns: dict[str, Recorded] = {
