@@ -13,6 +13,7 @@ from pathlib import Path
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.sensitivities import (
     DENSITY,
+    LARGER,
     MODULUS,
     RESTITUTION,
     ROLLING,
@@ -46,7 +47,8 @@ def updated(page: str) -> str:
 
 def table() -> str:
     """Return the table in Markdown: a row for each response, a column for each parameter."""
-    head = ("test", "response", *COLUMNS.values(), "from run to run")
+    sizes = (f"{times} times the particles" for times in LARGER)
+    head = ("test", "response", *COLUMNS.values(), *sizes, "from run to run")
     lines = [_line(head), "|---" * len(head) + "|"]
     return "\n".join([*lines, *map(_line, _rows())])
 
@@ -58,7 +60,8 @@ def _rows() -> Iterator[tuple[str, ...]]:
             found = info.sensitivities
             if found is not None:
                 slopes = (_slope(found, parameter) for parameter in COLUMNS)
-                yield (first, f"`{response}`", *slopes, f"{100 * found.scatter:.2g} %")
+                sizes = (f"{_number(round(100 * x, 1))} %" if x else "" for x in found.larger)
+                yield (first, f"`{response}`", *slopes, *sizes, f"{100 * found.scatter:.2g} %")
                 first = ""
 
 

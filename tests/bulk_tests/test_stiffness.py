@@ -174,6 +174,6 @@ def test_check_says_it(tmp_path: Path) -> None:
     )
     path = tmp_path / "beads.toml"
     path.write_text(text)
-    _, frictions, soft = gf.load(path).notes()
+    _, frictions, soft, *_ = gf.load(path).notes()
     assert "can hardly be told apart by heap alone" in frictions
     assert soft == note

@@ -102,6 +102,7 @@ CASES = {
     "shared-simulation": ("note", COMMANDS, "[[test]]"),
     "repeated-simulation": ("note", FUNCTIONS, "[[test]]"),
     "few-particles": ("warning", changed((DIAMETER, CLASSES)), "diameter = "),
+    "assumed-size": ("warning", starter_file(["drum"]), "[[test]]"),
     "near-spheres": (
         "note",
         changed((DIAMETER, f'{DIAMETER}\nshape = "two_spheres"\naspect_ratio = 1.05')),
@@ -227,10 +228,11 @@ def test_json_lists_what_the_terminal_shows(folder: Path) -> None:
     findings = document["findings"]
     assert [finding["check"] for finding in findings] == [
         "soft-particles",
+        "assumed-size",
         "surplus-particles",
         "short-timeout",
     ]
-    assert findings[1]["key"] == "test[0].particle_count"
+    assert findings[2]["key"] == "test[0].particle_count"
     assert [finding["text"] for finding in findings] == document["notes"]
     flat = " ".join(shown.output.split())
     places = [flat.index(finding["text"]) for finding in findings]

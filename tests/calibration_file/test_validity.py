@@ -10,6 +10,7 @@ import pytest
 import grainfit as gf
 from grainfit.bulk_tests.drum import messages as of_drum
 from grainfit.bulk_tests.heap import messages as of_heap
+from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.shared import messages as shared
 from grainfit.bulk_tests.shear import messages as of_shear
 from grainfit.calibration_file.checks import messages as of_values
@@ -108,3 +109,20 @@ def test_a_density_of_particles_in_another_unit_is_asked_about(tmp_path: Path) -
     path.write_text("\n".join(lines), encoding="utf-8")
     [note] = [n for n in gf.load(path).notes() if of_values.UNUSUAL_DENSITY.is_in(n)]
     assert "3 g/cm^3" in note
+
+
+def test_an_assumed_size_is_noted_where_it_moves_a_response_beyond_its_tolerance(
+    notes: Notes,
+) -> None:
+    """The bulk density of a larger heap is 5 % higher, its tolerance is 1 %."""
+    found = [note for note in notes("heap") if of_values.ASSUMED_SIZE.is_in(note)]
+    assert len(found) == 1
+    assert "cylinder_radius is assumed, 60 mm" in found[0]
+    assert "bulk_density by +" in found[0]
+    given = notes("heap", option("heap", 'cylinder_radius = "70 mm"'))
+    assert not any(of_values.ASSUMED_SIZE.is_in(note) for note in given)
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_every_test_has_an_option_that_says_how_large_it_is(name: str) -> None:
+    assert BUILT_IN[name].vessel in {key.name for key in BUILT_IN[name].option_keys()}

@@ -100,7 +100,7 @@ def test_a_model_of_the_user_is_checked_and_simulated(
     printed = run_commands(block.text)
 
     # A restitution of 0.9 from 200 mm, which scatter by 2 %.
-    height = float(re.findall(r"rebound_height +([\d.e+-]+)", printed)[-1])
+    height = float(re.findall(r"rebound_height in m +([\d.e+-]+)", printed)[-1])
     assert height == pytest.approx(0.9**2 * 0.2, rel=0.035)
 
 

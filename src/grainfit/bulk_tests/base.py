@@ -79,6 +79,8 @@ class BulkTest(OneLine, ABC):
     #: Parts that can be of different materials, each with its walls in the scene, the part that
     #: touches most particles first; None where every wall of the scene is a part.
     parts: ClassVar[Parts | None] = None
+    #: Option that says how large the apparatus is; "" where none does.
+    vessel: ClassVar[str] = ""
     #: What to enter instead of measured quantities that are no responses, by their names.
     enter_instead: ClassVar[Mapping[str, str]] = {}
     #: Checks of the test in a calibration, before any run.

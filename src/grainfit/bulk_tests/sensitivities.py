@@ -28,6 +28,10 @@ _LOW, _HIGH = math.log(0.4), math.log(2.5)
 _BEYOND = 0.5
 
 
+#: Times the particles of the default apparatus, of the trials of larger ones.
+LARGER = (4, 10)
+
+
 @dataclass(frozen=True)
 class Sensitivities:
     """Relative change of a response per relative change of a parameter: d ln y / d ln p.
@@ -41,6 +45,9 @@ class Sensitivities:
         Those that are others at a sliding friction of 0.2 and a rolling friction of 0.5.
     scatter : float
         Relative standard deviation of the response from run to run.
+    larger : tuple of float
+        Relative change in an apparatus that holds `LARGER` times the particles, 0 within two
+        standard errors (`benchmarks/size_series.py`).
 
     Examples
     --------
@@ -52,6 +59,7 @@ class Sensitivities:
     slopes: Mapping[str, float]
     slopes_at_high_rolling: Mapping[str, float] = field(default_factory=dict)
     scatter: float = 0.0
+    larger: tuple[float, float] = (0.0, 0.0)
 
     def at(self, material: Mapping[str, float]) -> dict[str, float]:
         """Return the slopes of a material, interpolated in ln(rolling / sliding friction).

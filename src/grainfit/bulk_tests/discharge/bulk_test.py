@@ -69,6 +69,7 @@ class Discharge(BulkTest):
 
     type: ClassVar[str] = "discharge"
     title: ClassVar[str] = "flat-bottomed container"
+    vessel: ClassVar[str] = "width"
     parts: ClassVar[Parts] = {
         # A box with a slot, or a tube with a round orifice.
         "container": ("left", "right", "tube"),
@@ -100,7 +101,9 @@ class Discharge(BulkTest):
             "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1350 kg/m^3", uncertainty = "1 %" }',
             Sensitivities(
-                {DENSITY: 1.0, MODULUS: -0.066, SLIDING: -0.068, ROLLING: -0.022}, scatter=0.004
+                {DENSITY: 1.0, MODULUS: -0.066, SLIDING: -0.068, ROLLING: -0.022},
+                scatter=0.004,
+                larger=(0.042, 0.066),
             ),
         ),
     }

@@ -100,6 +100,7 @@ class Packing(BulkTest):
 
     type: ClassVar[str] = "packing"
     title: ClassVar[str] = "poured container"
+    vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}
     shown: ClassVar[Shown] = Shown("bed", "bulk_density", snapshot_file(_BED), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}

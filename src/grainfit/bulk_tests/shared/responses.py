@@ -15,5 +15,6 @@ BULK_DENSITY = ResponseInfo(
         {DENSITY: 1.07, MODULUS: -0.066, SLIDING: -0.059, ROLLING: -0.023},
         {SLIDING: -0.068, ROLLING: -0.006},
         scatter=0.006,
+        larger=(0.048, 0.078),
     ),
 )

@@ -29,3 +29,8 @@ FINER_THAN_INSTRUMENTS = Message(
     "Give as tolerance what is good enough for you, and the error of the instrument as "
     "uncertainty, or as systematic beside measurements.",
 )
+ASSUMED_SIZE = Message(
+    "Test {test}: {vessel} is assumed, {size}. An apparatus that holds {times} times the particles "
+    "moved, in trials with soft spheres: {moved}.",
+    "Give {vessel} of the laboratory.",
+)

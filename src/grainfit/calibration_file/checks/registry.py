@@ -11,6 +11,7 @@ from grainfit.analysis.soft_particles import soft_particles
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.registry import OWN_SCENE, bulk_tests
+from grainfit.calibration_file.checks.assumed_size import assumed_size
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.calibration_file.checks.few_particles import few_particles
 from grainfit.calibration_file.checks.fine_tolerances import fine_tolerance
@@ -36,6 +37,7 @@ _BEFORE_TESTS: tuple[Check[FileContext], ...] = (
     shared_simulation,
     repeated_simulation,
     few_particles,
+    assumed_size,
     near_spheres,
     impossible_bulk_density,
     unusual_value,
