@@ -155,7 +155,7 @@ def test_values_of_a_shear_tester_are_answered_with_how_to_enter_them(
     assert remedy in {fault.remedy for fault in caught.value.faults}
 
 
-@pytest.mark.parametrize("name", ["edem", "EDEM 2023", "Star-CCM+"])
+@pytest.mark.parametrize("name", ["edem", "EDEM 2023", "Star-CCM+", "abaqus"])
 def test_another_program_is_used_by_command_or_table(name: str, tmp_path: Path) -> None:
     found = message(tmp_path, 'solver = "lammps"', f'solver = "{name}"')
     assert 'type = "command"' in found
@@ -167,3 +167,7 @@ def test_doors_that_are_named_are_there() -> None:
         named = re.findall(r'"(\w+)"', sentence)
         assert named
         assert set(named) <= types_of_test().keys()
+
+
+def test_program_that_is_written_in_capitals_is_recognised() -> None:
+    assert instead_of_program("LAMMPS", ["lammps", "yade"]) == 'Did you mean "lammps"?'

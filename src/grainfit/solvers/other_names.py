@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Mapping
 
 _SCENE = 'type = "scene" simulates an experiment of your own'
@@ -21,7 +22,9 @@ _DROP = f'type = "command" or "python" takes your own model; {_SCENE}.'
 OTHER_TESTS: Mapping[str, str] = {
     **dict.fromkeys(("funnel", "poured_heap", "poured_angle", "pouring", "pile"), _POURED),
     **dict.fromkeys(("hopper", "silo", "bin", "bucket", "wedge", "hall_flowmeter"), _VESSEL),
-    **dict.fromkeys(("shear_cell", "ring_shear", "jenike", "direct_shear", "shear_box"), _SHEAR),
+    **dict.fromkeys(
+        ("shear_cell", "shear_tester", "ring_shear", "jenike", "direct_shear", "shear_box"), _SHEAR
+    ),
     **dict.fromkeys(("triaxial", "biaxial", "true_triaxial"), _TRIAXIAL),
     **dict.fromkeys(("drop", "bounce", "rebound", "restitution", "impact"), _DROP),
     **dict.fromkeys(
@@ -43,11 +46,6 @@ _PROGRAM = (
     'grainfit starts {known}. Another program with a command line: type = "command", with a folder '
     'of its input; runs made elsewhere: type = "table".'
 )
-#: Other DEM programs, lower case with underscores.
-OTHER_PROGRAMS = (
-    "aspherix", "edem", "esys_particle", "itasca", "kratos", "mercurydpm", "mfix", "musen", "pfc",
-    "pfc3d", "pfc2d", "rocky", "rocky_dem", "star_ccm+", "woo", "xdem",
-)  # fmt: skip
 
 
 def instead_of_test(name: object) -> str:
@@ -56,12 +54,12 @@ def instead_of_test(name: object) -> str:
 
 
 def instead_of_program(name: object, known: Iterable[str]) -> str:
-    """Return a sentence on how to use another DEM program; empty for an unknown one."""
+    """Return a sentence on how to use another DEM program, or on the one that is meant."""
     key = _key(name)
-    # With a version behind it, too: "EDEM 2023".
-    if key in OTHER_PROGRAMS or key.partition("_")[0] in OTHER_PROGRAMS:
-        return _PROGRAM.format(known=", ".join(known))
-    return ""
+    possible = list(known)
+    if close := difflib.get_close_matches(key, possible, n=1, cutoff=0.75):
+        return f'Did you mean "{close[0]}"?'
+    return _PROGRAM.format(known=", ".join(possible))
 
 
 def _key(name: object) -> str:
