@@ -32,7 +32,7 @@ _ROLLING_DAMPING = declare(
     "",
     "viscous rolling damping ratio",
     (0.0, 1.0),
-    example="0.25",
+    example="0",
 )
 
 _EQUATIONS = (
