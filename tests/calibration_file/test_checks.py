@@ -124,6 +124,11 @@ CASES = {
         changed(("plate_sliding_friction = 0.5", "plate_sliding_friction = 0.1")),
         "plate_sliding_friction = ",
     ),
+    "assumed-plate": (
+        "warning",
+        changed(("plate_sliding_friction = 0.5", "# ")),
+        "[[test]]",
+    ),
     "narrow-cylinder": (
         "warning",
         heap('cylinder_radius = "45 mm"'),

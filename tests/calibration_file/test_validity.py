@@ -42,6 +42,8 @@ def option(test: str, line: str) -> tuple[str, str]:
     ("test", "line", "limit", "message"),
     [
         ("heap", 'cylinder_radius = "{} mm"', (50, 49), shared.NARROW_CYLINDER),
+        ("packing", 'cylinder_radius = "{} mm"', (50, 49), shared.NARROW_CYLINDER),
+        ("compression", 'cylinder_radius = "{} mm"', (50, 49), shared.NARROW_CYLINDER),
         ("heap", 'lift_speed = "{} m/s"', (0.12, 0.13), of_heap.FAST_LIFT),
         ("drum", "froude_number = {}", (0.02, 0.021), of_drum.FAST_DRUM),
         ("shear", "inertial_number = {}", (0.01, 0.011), of_shear.FAST_SHEAR),
@@ -76,7 +78,8 @@ def test_a_flow_far_from_that_of_the_opening_is_asked_about(
     notes: Notes, test: str, example: str
 ) -> None:
     assert not [note for note in notes(test) if shared.UNUSUAL_FLOW.is_in(note)]
-    for unit in ("17500 kg/s", "0.002 kg/s"):
+    # Ten times the flow, too, at a density that is free by a factor of two.
+    for unit in ("17500 kg/s", "17.5 kg/s", "12 kg/s", "0.002 kg/s"):
         changed = (example, example[: example.index('"')] + f'"{unit}"')
         assert [note for note in notes(test, changed) if shared.UNUSUAL_FLOW.is_in(note)], unit
 
@@ -126,3 +129,17 @@ def test_an_assumed_size_is_noted_where_it_moves_a_response_beyond_its_tolerance
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_every_test_has_an_option_that_says_how_large_it_is(name: str) -> None:
     assert BUILT_IN[name].vessel in {key.name for key in BUILT_IN[name].option_keys()}
+
+
+def test_a_plate_that_is_not_given_is_noted_below_a_heap_that_spreads_on_it(notes: Notes) -> None:
+    """The starting walls (0.27, 0.05) halve the angle of the starting heap, without a failure."""
+    sliding = ("plate_sliding_friction = 0.5 ", "# ")
+    rolling = ("plate_rolling_friction =", "# ")
+
+    def found(*changes: tuple[str, str]) -> list[str]:
+        return [n for n in notes("heap", *changes) if of_heap.ASSUMED_PLATE.is_in(n)]
+
+    assert not found()
+    assert "that of the walls, 0.27" in found(sliding)[0]
+    assert "that of the walls, 0.05" in found(rolling)[0]
+    assert len(found(sliding, rolling)) == 2

@@ -31,6 +31,7 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_SLIDING,
     Sensitivities,
 )
+from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import LENGTH, settling_option
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
@@ -96,7 +97,7 @@ class Compression(BulkTest):
     """
 
     type: ClassVar[str] = "compression"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (surplus_particles,)
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (surplus_particles, narrow_cylinder)
     title: ClassVar[str] = "uniaxial, confined"
     vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {

@@ -13,7 +13,7 @@ from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.heap import messages
 from grainfit.bulk_tests.heap.lift import fast_lift
-from grainfit.bulk_tests.heap.plate import small_plate, smooth_plate
+from grainfit.bulk_tests.heap.plate import assumed_plate, small_plate, smooth_plate
 from grainfit.bulk_tests.heap.setup import HeapSetup
 from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
@@ -111,6 +111,7 @@ class Heap(BulkTest):
         surplus_particles,
         small_plate,
         smooth_plate,
+        assumed_plate,
         narrow_cylinder,
         fast_lift,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -58,3 +59,23 @@ def smooth_plate(checked: CheckedTest[Any]) -> Iterator[Found]:
                 option,
                 messages.SMOOTH_PLATE(kind=kind, value=value, key=key, least=least, option=option),
             )
+
+
+@check("assumed-plate", "warning")
+def assumed_plate(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Plates as smooth as the walls, because the file gives no friction, below a measured heap."""
+    angle = checked.targets.get("angle_of_repose")
+    if checked.test.sizes.shape is not None or not angle or angle >= _STEEPEST:
+        return
+    wall = checked.walls.get("plate", PLAIN)
+    least = {
+        "sliding": math.tan(math.radians(angle)),
+        "rolling": checked.lowest.get("particle_particle.rolling_friction", 0.0),
+    }
+    for kind, needed in least.items():
+        option = f"plate_{kind}_friction"
+        highest = checked.highest.get(on_wall(f"particle_wall.{kind}_friction", wall))
+        if getattr(checked.test, option) is not None or highest is None:
+            continue
+        if _LEAST[kind] <= highest < needed:
+            yield option, messages.ASSUMED_PLATE(kind=kind, value=highest, option=option)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared import messages
@@ -18,11 +19,13 @@ from grainfit.bulk_tests.shared.filling import (
     least_radius,
     plan_filling,
 )
+from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH, settling_option
 from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.bulk_density import bulk_density
@@ -99,6 +102,7 @@ class Packing(BulkTest):
     """
 
     type: ClassVar[str] = "packing"
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (narrow_cylinder,)
     title: ClassVar[str] = "poured container"
     vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}

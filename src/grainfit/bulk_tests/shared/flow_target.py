@@ -12,8 +12,9 @@ from grainfit.checks import Found, check
 from grainfit.formatting import millimetres
 from grainfit.scenes.packing import mean_particle_volume
 
-#: A measured flow this many times another one than Beverloo's law is due to a unit or a slip.
-_FAR = 10.0
+#: A measured flow that many times less or more than Beverloo's law is due to a unit or a slip.
+#: Arches and cohesion make flows small; nothing makes them large.
+_LESS, _MORE = 10.0, 4.0
 
 
 @check("flow-depth", "warning")
@@ -27,14 +28,14 @@ def flow_depth(checked: CheckedTest[Any]) -> Iterator[Found]:
 
 @check("unusual-flow", "warning")
 def unusual_flow(checked: CheckedTest[Any]) -> Iterator[Found]:
-    """Measured flows ten times more or less than Beverloo's law gives."""
+    """Measured flows a tenth of, or four times, what Beverloo's law gives."""
     measured, setup = checked.targets.get("mass_flow"), checked.test.setup
     if not measured or DENSITY not in checked.lowest:
         return
     volume = setup.filling.particle_count * mean_particle_volume(setup.sizes)
     rate = volume / setup.beverloo_time
     low, high = (ends[DENSITY] * rate for ends in (checked.lowest, checked.highest))
-    if not low / _FAR <= measured <= high * _FAR:
+    if not low / _LESS <= measured <= high * _MORE:
         expected = (low * high) ** 0.5
         yield (
             "targets.mass_flow",

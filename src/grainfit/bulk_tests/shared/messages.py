@@ -71,6 +71,6 @@ UNUSUAL_FLOW = Message(
 )
 NARROW_CYLINDER = Message(
     "the cylinder is {radius:.2g} Sauter diameters in radius. Below {least:g} walls loosen the bed "
-    "and arches hold it: beads in one of 3 were 3 % lighter, and their heap 4 degrees flatter.",
+    "and arches hold it: beads in one of 3 were 3 % lighter, and a heap of them 4 degrees flatter.",
     "Use {option} = {usual} or more if that of the laboratory is as wide.",
 )
