@@ -20,6 +20,21 @@ class GrainfitError(Exception):
         return f"{type(self).__name__}({shortened(str(self))})"
 
 
+def error_in_words(error: BaseException) -> str:
+    r"""Return an error in one line: with the name of its type, unless it is grainfit's own.
+
+    Examples
+    --------
+    >>> error_in_words(ValueError("no such\\nvalue")), error_in_words(ValueError())
+    ('ValueError: no such value', 'ValueError, without a message')
+    """
+    text = " ".join(str(error).split())
+    if isinstance(error, GrainfitError):
+        return text
+    name = type(error).__name__
+    return f"{name}: {text}" if text else f"{name}, without a message"
+
+
 @dataclass(frozen=True)
 class Fault:
     """One fault in the user's input.

@@ -69,6 +69,7 @@ def test_systematic_part_of_repeated_curves_adds_to_the_common_one() -> None:
     ("curves", "words"),
     [
         ([(PLACES, TRUE)], "fewer than two curves"),
+        (None, "fewer than two curves"),
         ([(PLACES, TRUE), (PLACES, TRUE)], "are all the same"),
         ([(PLACES, TRUE), (PLACES + 1, TRUE)], "fewer than two points"),
         ([(PLACES, TRUE), (PLACES[::-1], TRUE)], "no curve"),

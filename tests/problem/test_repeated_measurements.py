@@ -47,6 +47,7 @@ def test_a_systematic_share_is_one_of_the_mean_and_a_tolerance_is_taken_as_given
         ([], None, messages.FEW_MEASUREMENTS),
         ([5], None, messages.FEW_MEASUREMENTS),
         ("55", None, messages.FEW_MEASUREMENTS),
+        (None, None, messages.FEW_MEASUREMENTS),
         ([5, 5], None, messages.EQUAL_MEASUREMENTS),
         ([5, math.nan], None, messages.NO_NUMBER),
         ([5, None], None, messages.NO_NUMBER),

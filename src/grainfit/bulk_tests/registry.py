@@ -21,7 +21,7 @@ from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.bulk_tests.packing import Packing as Packing
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shear import Shear as Shear
-from grainfit.errors import Fault, InputError
+from grainfit.errors import Fault, InputError, error_in_words
 from grainfit.registration import incomplete, require_complete, require_unique
 from grainfit.run_definition import RunDefinition
 
@@ -65,7 +65,7 @@ def _load(point: Any) -> type[BulkTest]:
     try:
         test: Any = point.load()
     except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
+        reason = error_in_words(error)
         raise _fault(point, f"{point.value} cannot be loaded: {reason}.") from error
     is_test = isinstance(test, type) and issubclass(test, BulkTest)
     if is_test and (sentence := incomplete("bulk test", point.value, test.missing())):

@@ -50,7 +50,7 @@ class RepeatedCurves:
             or have something else than as many finite numbers on both axes, in order.
         """
         key = f"{name}.measurements"
-        read = [_pair(key, curve) for curve in curves]
+        read = [_pair(key, curve) for curve in curves] if isinstance(curves, Iterable) else []
         if len(read) < 2:
             raise InputError(messages.FEW_CURVES.fault(key))
         first, last = max(x[0] for x, _ in read), min(x[-1] for x, _ in read)

@@ -89,7 +89,8 @@ def read_measurements(
     unit : str
         Their unit; by default that of the first quantity.
     """
-    given = [] if isinstance(measurements, str) else list(measurements)
+    is_list = isinstance(measurements, Iterable) and not isinstance(measurements, str)
+    given = list(measurements) if is_list else []
     keys = {str(number): "measurements" for number in range(len(given))}
     owner = SimpleNamespace(name=name, unit=unit, **dict(zip(keys, given, strict=True)))
     read_quantities(owner, keys)

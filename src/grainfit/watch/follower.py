@@ -17,6 +17,7 @@ from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import holder, is_held, last_heartbeat
 from grainfit.campaign.store.store import STORE_NAME
 from grainfit.campaign.work_folder import RESULT_NAME
+from grainfit.errors import error_in_words
 from grainfit.formatting import plain
 from grainfit.report.page import REPORT_NAME
 from grainfit.report.rendering import script_json
@@ -173,7 +174,7 @@ class Follower:
                 self._compute(reading)
         except Exception as error:
             # A page that shows nothing would hide why.
-            fault = f"{type(error).__name__}: {error}"
+            fault = error_in_words(error)
             self._publish(Reading(self._folder, fault=fault))
 
     def _compute(self, reading: Reading) -> None:
@@ -185,7 +186,7 @@ class Follower:
                 self._drawings.update(reading.saved)
         except Exception as error:
             # The rest of the page is right nevertheless.
-            self._fault = f"Verdict or particles cannot be shown: {type(error).__name__}: {error}"
+            self._fault = f"Verdict or particles cannot be shown: {error_in_words(error)}"
         self._publish(reading)
         self._is_stale = False
         now = time.monotonic()

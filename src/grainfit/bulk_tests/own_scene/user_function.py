@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grainfit.errors import GrainfitError, RunFailedError
+from grainfit.errors import RunFailedError, error_in_words
 from grainfit.options.python_file import PythonFile
 
 #: Longest time of a call, s.
@@ -101,7 +101,7 @@ def _failure(function: PythonFile, error: BaseException) -> BaseException:
     own = own[next((i for i, f in enumerate(own) if f.filename == str(function.path)), len(own)) :]
     if not own and isinstance(error, RunFailedError):
         return error
-    words = _one_line(error)
+    words = error_in_words(error)
     tail = "".join(traceback.format_list(own)).splitlines()[-_TAIL_LINES:]
     kind = error.kind if isinstance(error, RunFailedError) else "evaluation"
     if isinstance(error, SyntaxError):
@@ -109,9 +109,3 @@ def _failure(function: PythonFile, error: BaseException) -> BaseException:
     where = next((f for f in reversed(own) if f.filename == str(function.path)), None)
     place = f"{function.path.name}, line {where.lineno}" if where else function.path.name
     return RunFailedError(f"{place}: {words}", "\n".join([*tail, words]), kind)
-
-
-def _one_line(error: BaseException) -> str:
-    text = " ".join(str(error).split())
-    # Messages of grainfit's own errors are clear without the name of the type.
-    return text if isinstance(error, GrainfitError) else f"{type(error).__name__}: {text}"

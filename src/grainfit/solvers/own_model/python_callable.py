@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from typing_extensions import override
 
-from grainfit.errors import GrainfitError, InputError, RunFailedError
+from grainfit.errors import InputError, RunFailedError, error_in_words
 from grainfit.evaluation import Measured
 from grainfit.evaluation.exchange import finite_parameters, read_responses
 from grainfit.options.python_file import PythonFile
@@ -172,7 +172,7 @@ class PythonCallable(Solver):
             tail = "\n".join("".join(traceback.format_exc()).splitlines()[-_TRACEBACK_LINES:])
             if reason := machine_error(error):
                 raise RunFailedError(reason, tail, "machine") from error
-            raise RunFailedError(_one_line(error), tail, "evaluation") from error
+            raise RunFailedError(error_in_words(error), tail, "evaluation") from error
         return read_responses(found, self._response_names, "the function")
 
 
@@ -189,12 +189,6 @@ def _seed_use(code: CodeType, bound: int) -> SeedUse:
     mentioned = {name.strip() for names in named for name in names.split(",")}
     by_name = {"locals", "vars", "eval", "exec"}.intersection(code.co_names)
     return "read" if seed in {*mentioned, *code.co_cellvars} or by_name else "unread"
-
-
-def _one_line(error: BaseException) -> str:
-    text = " ".join(str(error).split())
-    # Messages of grainfit's own errors are clear without the name of the type.
-    return text if isinstance(error, GrainfitError) else f"{type(error).__name__}: {text}"
 
 
 def _identity(function: Any) -> dict[str, Any]:
