@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from math import floor, inf, isfinite, log10
+from math import floor, inf, isfinite, log10, pi
 from typing import Any
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -304,6 +304,29 @@ def millimetres(length: float) -> str:
     ('2.86 mm', '1200 mm')
     """
     return f"{number(1000 * length, 3)} mm"
+
+
+def turns_per_minute(speed: float) -> str:
+    """Return a rotational speed, given in rad/s, with three digits in turns a minute.
+
+    Examples
+    --------
+    >>> turns_per_minute(1.1073617)
+    '10.6 rpm'
+    """
+    return f"{number(30 * speed / pi, 3)} rpm"
+
+
+def kilopascals(stress: float) -> str:
+    """Return a stress, given in Pa, with three digits in Pa, kPa or MPa.
+
+    Examples
+    --------
+    >>> kilopascals(500.0), kilopascals(10000.0), kilopascals(2.8e6)
+    ('500 Pa', '10 kPa', '2.8 MPa')
+    """
+    size = next((size for size in (1e6, 1e3) if stress >= size), 1.0)
+    return f"{number(stress / size, 3)} {({1e6: 'MPa', 1e3: 'kPa'}).get(size, 'Pa')}"
 
 
 def percent(share: float) -> str:

@@ -13,7 +13,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.errors import InputError
-from grainfit.formatting import millimetres, number, plain, with_unit
+from grainfit.formatting import kilopascals, millimetres, number, plain, turns_per_minute, with_unit
 from grainfit.materials.walls import PLAIN, on_wall
 from grainfit.options.tables import Key
 from grainfit.scenes.packing import mean_particle_volume
@@ -168,5 +168,7 @@ def _shown(key: Key, value: Any) -> str:
     if unit == "m":
         return millimetres(float(value))
     if unit == "rad/s":
-        return f"{number(30 * float(value) / math.pi, _DIGITS)} rpm"
+        return turns_per_minute(float(value))
+    if unit == "Pa":
+        return kilopascals(float(value))
     return with_unit(number(float(value), _DIGITS), str(unit or ""))

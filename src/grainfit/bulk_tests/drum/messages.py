@@ -15,13 +15,13 @@ DRUM_IS_SHORT = Message(
     "Use at least {length:g} m.",
 )
 SPEED_GIVEN_TWICE = Message(
-    "{froude_number:g} is given beside the rotational_speed {rotational_speed:g} rad/s.",
+    "{froude_number:g} is given beside the rotational_speed {rotational_speed}.",
     "Give one of them.",
 )
 TOO_FAST = Message(
-    "{rotational_speed:g} rad/s is a Froude number of {froude:.3g}. Above {fastest:g} particles "
+    "{rotational_speed} is a Froude number of {froude:.3g}. Above {fastest:g} particles "
     "fly, and the surface has no one angle.",
-    "Use at most {slowest:.4g} rad/s; the default is a Froude number of {usual:g}.",
+    "Use at most {slowest}; the default is a Froude number of {usual:g}.",
 )
 FAST_DRUM = Message(
     "the Froude number is {froude:.2g}. Above {fastest:g} the bed cascades: its surface is bent to "

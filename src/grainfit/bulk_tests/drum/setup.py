@@ -13,6 +13,7 @@ from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import count_faults
 from grainfit.errors import Fault
+from grainfit.formatting import turns_per_minute
 from grainfit.scenes.packing import mean_particle_volume
 from grainfit.scenes.scene import natural_time
 
@@ -145,17 +146,18 @@ class DrumSetup(Setup):
             yield messages.SPEED_GIVEN_TWICE.fault(
                 "froude_number",
                 froude_number=self.froude_number,
-                rotational_speed=self.rotational_speed,
+                rotational_speed=turns_per_minute(self.rotational_speed),
             )
         froude = self.speed_as_froude_number
         if froude > FASTEST * (1 + _ROUNDING):
             slowest = math.sqrt(FASTEST * self.gravity / self.drum_radius)
             yield messages.TOO_FAST.fault(
                 "rotational_speed",
-                rotational_speed=self.rotational_speed,
+                rotational_speed=turns_per_minute(self.rotational_speed),
                 froude=froude,
                 fastest=FASTEST,
-                slowest=slowest,
+                # Rounded to three digits it is still within.
+                slowest=turns_per_minute(0.99 * slowest),
                 usual=FROUDE_NUMBER,
             )
         lengths = {"drum_radius": self.drum_radius, "drum_length": self.drum_length}
