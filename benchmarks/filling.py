@@ -38,8 +38,9 @@ from grainfit.scenes.run_output import STAGES, RunOutput
 from grainfit.scenes.scene import Scene, Stage, Velocity, natural_time
 from grainfit.scenes.shapes import Block, Disc, Plane
 from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_PLATE
 from kept_runs import mean_and, measure, read, simulate
+from size_series import material_of
 
 DIAMETER = 0.010
 WAYS = ("rain", "low", "high", "reseated")
@@ -51,7 +52,6 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "draw_down": ("left_shelf", "right_shelf", "door"),
     "compression": ("floor",),
 }
-STIFFER = {"compression": 10e6}
 #: Way of the floor when a bed is re-seated, in diameters.
 _WAY = 0.5
 _EXTRA = ("pour", "lower")
@@ -74,7 +74,7 @@ def filled(test: str, way: str) -> BulkTest:
         def column(self, seed: int) -> Column:
             column: Column = super().column(seed)
             if way == "low":
-                return _lattice(self, len(column.positions), seed)
+                return lattice(self.footprint, len(column.positions), seed)
             if way == "high":
                 places = column.positions.copy()
                 places[:, 2] = DIAMETER + (places[:, 2] - DIAMETER) * 2
@@ -94,9 +94,9 @@ def filled(test: str, way: str) -> BulkTest:
     return Filled(diameter=DIAMETER, **(ROUGH_PLATE if test == "heap" else {}))
 
 
-def _lattice(test: BulkTest, count: int, seed: int) -> Column:
+def lattice(outline: Any, count: int, seed: int, d: float = DIAMETER) -> Column:
     """Return particles on a cubic lattice that begins at the floor."""
-    outline, d, random = test.footprint, DIAMETER, np.random.default_rng(seed)
+    random = np.random.default_rng(seed)
     spacing, reach = 1.03 * d, 0.53 * d
     if isinstance(outline, Round):
         side = np.arange(-outline.radius, outline.radius, spacing)
@@ -147,10 +147,7 @@ def _raised(scene: Scene, name: str) -> Any:
 
 def record_of(run: Run) -> dict[str, Any]:
     """Simulate once."""
-    damping = {f"particle_{partner}.rolling_damping": 0.0 for partner in ("particle", "wall")}
-    modulus = STIFFER.get(run.test, ROUGH_SPHERES["particle.youngs_modulus"])
-    material = {**ROUGH_SPHERES, **damping, "particle.youngs_modulus": modulus}
-    return simulate(Lammps(filled(run.test, run.way), material), run.seed)
+    return simulate(Lammps(filled(run.test, run.way), material_of(run.test)), run.seed)
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:

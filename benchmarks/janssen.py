@@ -19,7 +19,6 @@ A drop of 0 begins as a cubic lattice, which falls least; 1 is the random column
 from __future__ import annotations
 
 import argparse
-import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from itertools import product
@@ -28,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from filling import lattice
 from grainfit.bulk_tests.own_scene.bulk_test import OwnScene
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Column, Round, random_column
@@ -59,24 +59,11 @@ def column_of(sizes: ParticleSizes, options: Mapping[str, float], seed: int) -> 
     """Return the particles of the beginning."""
     d, radius, count = sizes.sauter_diameter, options["radius"], int(options["count"])
     if options["drop"] == 0:
-        return _lattice(d, radius, count, seed)
+        return lattice(Round(radius), count, seed, d)
     column = random_column(sizes, count, Round(radius), seed)
     places = column.positions.copy()
     places[:, 2] = d + (places[:, 2] - d) * options["drop"]
     return Column(places, column.size_indices, float(places[:, 2].max()) + d)
-
-
-def _lattice(d: float, radius: float, count: int, seed: int) -> Column:
-    spacing, random = 1.03 * d, np.random.default_rng(seed)
-    side = np.arange(-radius, radius, spacing)
-    reach = radius - 0.53 * d
-    flat = np.array([(x, y) for x, y in product(side, side) if math.hypot(x, y) < reach])
-    layers = [
-        np.column_stack((flat, np.full(len(flat), (n + 0.6) * spacing)))
-        for n in range(math.ceil(count / len(flat)))
-    ]
-    places = np.vstack(layers)[:count] + random.uniform(-0.01, 0.01, (count, 3)) * d
-    return Column(places, np.zeros(count, dtype=np.int64), float(places[:, 2].max()) + d)
 
 
 def _tube(options: Mapping[str, float]) -> Tube:

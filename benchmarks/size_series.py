@@ -85,11 +85,15 @@ def larger(test: str, times: float) -> BulkTest:
     return bulk_tests()[test](diameter=DIAMETER, **plate, **(changes if times != 1 else {}))
 
 
+def material_of(test: str, modulus: float = ROUGH_SPHERES[MODULUS]) -> Mapping[str, float]:
+    """Return rough spheres without rolling damping."""
+    damping = {f"particle_{partner}.rolling_damping": 0.0 for partner in ("particle", "wall")}
+    return {**ROUGH_SPHERES, **damping, MODULUS: STIFFER.get(test, modulus)}
+
+
 def record_of(run: Run) -> dict[str, Any]:
     """Simulate once."""
-    test = larger(run.test, run.times)
-    damping = {f"particle_{partner}.rolling_damping": 0.0 for partner in ("particle", "wall")}
-    material = {**ROUGH_SPHERES, **damping, MODULUS: run.modulus}
+    test, material = larger(run.test, run.times), material_of(run.test, run.modulus)
     return {"particles": test.number_of_particles} | simulate(Lammps(test, material), run.seed)
 
 
