@@ -114,6 +114,18 @@ def test_a_density_of_particles_in_another_unit_is_asked_about(tmp_path: Path) -
     assert "3 g/cm^3" in note
 
 
+def test_a_density_of_walls_in_another_unit_is_asked_about(notes: Notes) -> None:
+    text = starter_file(["heap"])
+    walls = text[text.index("[wall]") :]
+    line = next(line for line in walls.splitlines() if line.startswith("density"))
+    [note] = [
+        note
+        for note in notes("heap", (line, 'density = "7.7 kg/m^3"'))
+        if of_values.UNUSUAL_DENSITY.is_in(note)
+    ]
+    assert note.startswith("wall.density = 7.7 kg/m^3")
+
+
 def test_an_assumed_size_is_noted_where_it_moves_a_response_beyond_its_tolerance(
     notes: Notes,
 ) -> None:

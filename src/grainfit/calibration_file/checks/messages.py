@@ -5,7 +5,7 @@ from __future__ import annotations
 from grainfit.messages import Message
 
 UNUSUAL_DENSITY = Message(
-    "particle.density = {value:g} kg/m^3 is that of no solid.",
+    "{name} = {value:g} kg/m^3 is that of no solid.",
     'Write it with its unit, such as "{value:g} {unit}".',
 )
 UNUSUAL_DIAMETER = Message(

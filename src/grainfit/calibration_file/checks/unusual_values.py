@@ -23,10 +23,11 @@ _ANGLES = (3.0, 75.0)
 @check("unusual-value", "warning")
 def unusual_value(context: FileContext) -> Iterator[Found]:
     """Values beside all experience, which may be in another unit."""
-    ends = context.intervals.get(DENSITY)
-    if ends is not None and not _DENSITIES[0] <= max(ends) <= _DENSITIES[1]:
-        unit = "g/cm^3" if max(ends) < _DENSITIES[0] else "g/m^3"
-        yield DENSITY, messages.UNUSUAL_DENSITY(value=max(ends), unit=unit)
+    for name in (DENSITY, "wall.density"):
+        ends = context.intervals.get(name)
+        if ends is not None and not _DENSITIES[0] <= max(ends) <= _DENSITIES[1]:
+            unit = "g/cm^3" if max(ends) < _DENSITIES[0] else "g/m^3"
+            yield name, messages.UNUSUAL_DENSITY(name=name, value=max(ends), unit=unit)
     largest = max(context.file.sizes.diameters) if context.file.sizes else None
     if largest is not None and not _DIAMETERS[0] <= largest <= _DIAMETERS[1]:
         yield "particle.diameter", messages.UNUSUAL_DIAMETER(value=largest)
