@@ -20,6 +20,7 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.packing import Packing
 from grainfit.campaign import messages
 from grainfit.campaign.cluster import parsl_executor
 from grainfit.campaign.cluster import slurm as slurm_jobs
@@ -422,14 +423,16 @@ def designed(result: Result) -> dict[tuple[object, ...], object]:
 
 
 def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:
-    solvers: list[Solver] = [Lammps(SMALL, GLASS_BEADS, ranks=2)]
+    # Ranks that wait for each other keep the cores busy: a few hundred particles are enough.
+    bed = Packing(diameter=0.01, cylinder_radius=0.04, fill_height=0.07)
+    solvers: list[Solver] = [Lammps(bed, GLASS_BEADS, ranks=2)]
     if shutil.which("liggghts"):
-        solvers.append(Liggghts(SMALL, GLASS_BEADS, ranks=2))
+        solvers.append(Liggghts(bed, GLASS_BEADS, ranks=2))
     here, there = tmp_path / "here", tmp_path / "there"
 
     def order(solver: Solver, folder: Path) -> RunTask:
         (folder / "runs").mkdir(parents=True, exist_ok=True)
-        record = RunRecord(solver.name, "heap", "running", solver.definition({}, 1))
+        record = RunRecord(solver.name, "packing", "running", solver.definition({}, 1))
         return RunTask(record, solver, {}, 1, folder)
 
     with cluster_executor(replace(ONE_JOB, cores_per_run=2), there) as executor:
