@@ -30,7 +30,7 @@ FINER_THAN_INSTRUMENTS = Message(
     "uncertainty, or as systematic beside measurements.",
 )
 ASSUMED_SIZE = Message(
-    "Test {test}: {vessel} is assumed, {size}. An apparatus that holds {times} times the particles "
-    "moved, in trials with soft spheres: {moved}.",
+    "Test {test}: {vessel} is assumed, {size}. In trials with soft spheres, an apparatus that "
+    "holds {times} times the particles moved {moved}.",
     "Give {vessel} of the laboratory.",
 )
