@@ -39,7 +39,7 @@ from grainfit.scenes.scene import Scene, Stage, Velocity, natural_time
 from grainfit.scenes.shapes import Block, Disc, Plane
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import ROUGH_PLATE
-from kept_runs import mean_and, measure, read, simulate
+from kept_runs import mean_and, measure, read, scatter, simulate
 from size_series import material_of
 
 DIAMETER = 0.010
@@ -163,14 +163,10 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
                 if len(values) > 1 and len(usual) > 1:
                     seconds = np.mean([r["seconds"] for run, r in own.items() if run.way == way])
                     cells = [test, name, info.unit or "1", way, str(len(values))]
-                    cells += [mean_and(_scatter, values)]
+                    cells += [mean_and(scatter, values)]
                     cells += [_change(usual, values) if way != "rain" else ""]
                     yield f"| {' | '.join([*cells, number(float(seconds), 2)])} |"
         yield from (f"{run}: {r['why']}" for run, r in own.items() if "why" in r)
-
-
-def _scatter(values: Any) -> float:
-    return float(np.std(values, ddof=1))
 
 
 def _values(records: Mapping[Run, dict[str, Any]], way: str, name: str) -> list[float]:
@@ -180,7 +176,7 @@ def _values(records: Mapping[Run, dict[str, Any]], way: str, name: str) -> list[
 
 def _change(usual: list[float], values: list[float]) -> str:
     """Return the relative change of a mean in per cent, with two standard errors."""
-    error = math.hypot(*(_scatter(v) / math.sqrt(len(v)) for v in (usual, values)))
+    error = math.hypot(*(scatter(v) / math.sqrt(len(v)) for v in (usual, values)))
     mean = float(np.mean(usual))
     return f"{100 * (float(np.mean(values)) - mean) / mean:+.1f} ± {200 * error / mean:.1f}"
 

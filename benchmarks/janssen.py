@@ -36,7 +36,7 @@ from grainfit.scenes.scene import Scene
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.lowered_bed import Tube, floor_shares, lowered_bed
 from grainfit.testing.materials import GLASS_BEADS
-from kept_runs import mean_and, read, simulate
+from kept_runs import mean_and, read, scatter, simulate
 from kept_runs import measure as measure_all
 
 DIAMETER = 0.010
@@ -141,15 +141,11 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
             cells += [str(len(good))]
             names = ("hold_floor", "lowered_0.1", "lowered_0.5", "after_floor", "after_janssen")
             names += ("after_stress_ratio",)
-            cells += [mean_and(_scatter, columns[name]) if columns[name] else "–" for name in names]
+            cells += [mean_and(scatter, columns[name]) if columns[name] else "–" for name in names]
             sums = [*columns["hold_sum"], *columns["after_sum"]]
             cells += [f"{min(sums):.4f} to {max(sums):.4f}"]
             yield f"| {' | '.join(cells)} |"
         yield from (f"{setting}: {r['why']}" for r in own if "why" in r)
-
-
-def _scatter(values: Any) -> float:
-    return float(np.std(values, ddof=1))
 
 
 def main() -> None:

@@ -58,6 +58,11 @@ def read(kept: Path, kind: type[Run]) -> dict[Run, dict[str, Any]]:
     return {kind(*(record[key] for key in kind._fields)): record for record in records}
 
 
+def scatter(values: Sequence[float]) -> float:
+    """Return the standard deviation of a single run."""
+    return float(np.std(values, ddof=1))
+
+
 def mean_and(spread: Callable[[Sequence[float]], float], values: Sequence[float]) -> str:
     """Return the mean and a measure of the spread of values in words."""
     found = spread(values) if len(values) > 1 else float("nan")

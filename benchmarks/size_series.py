@@ -30,7 +30,7 @@ from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import number
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
-from kept_runs import measure, read, simulate
+from kept_runs import measure, read, scatter, simulate
 
 DIAMETER = 0.010
 MODULUS = "particle.youngs_modulus"
@@ -133,7 +133,7 @@ def _mean(records: Mapping[Run, dict[str, Any]], times: float, key: str, digits:
 def _change(first: list[float], values: list[float]) -> str:
     """Return the relative change of a mean in per cent, with two standard errors."""
     mean = float(np.mean(first))
-    error = float(np.std(first, ddof=1)) * math.sqrt(1 / len(first) + 1 / len(values))
+    error = scatter(first) * math.sqrt(1 / len(first) + 1 / len(values))
     change = float(np.mean(values)) - mean
     return f"{100 * change / mean:+.1f} ± {200 * error / mean:.1f}"
 

@@ -57,6 +57,8 @@ class DeterministicTests:
             places.setdefault(tuple(run.proposal.parameters.values()), []).append(run)
         digits = 0
         for place, (first, *others) in places.items():
+            if not others:
+                continue
             elsewhere = [run for key, found in places.items() if key != place for run in found]
             common = [self._common_digits(test, first, other, elsewhere) for other in others]
             if None in common:

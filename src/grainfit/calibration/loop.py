@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
@@ -348,6 +348,7 @@ class CalibrationLoop:
             waiting.append(Proposal(answer.parameters, seed, "verification", tests))
         order = {proposal.seed: position for position, proposal in enumerate(waiting)}
         ended: list[Evaluation] = []
+        repetitions = Repetitions()
         # Pending runs of the search may end meanwhile.
         while waiting or self._campaign.has_pending:
             while waiting and self._campaign.has_free_worker:
@@ -359,17 +360,18 @@ class CalibrationLoop:
                     self._strategy.tell(evaluation.proposal, evaluation)
             if ended:
                 # A watch is told as well.
-                waiting = self._without_known(waiting)
+                repetitions = self._repetitions(self._evaluations)
+                waiting = self._without_known(waiting, repetitions.deterministic)
         ended.sort(key=lambda evaluation: order[evaluation.proposal.seed])
-        repetitions = self._repetitions(self._evaluations)
         for evaluation in ended:
             # Told twice, the output of one run would make the scatter look small.
             if not repetitions.is_known(evaluation):
                 self._strategy.tell(evaluation.proposal, evaluation)
 
-    def _without_known(self, waiting: Sequence[Proposal]) -> list[Proposal]:
+    def _without_known(
+        self, waiting: Sequence[Proposal], deterministic: Collection[str]
+    ) -> list[Proposal]:
         """Leave out what deterministic models have given already."""
-        deterministic = self._repetitions(self._evaluations).deterministic
         names = self._campaign.solvers
         return [
             proposal

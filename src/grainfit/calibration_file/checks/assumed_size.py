@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.sensitivities import LARGER
+from grainfit.calibration.runs_to_come import recorded_scatters
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
-from grainfit.evaluation import response_name
 from grainfit.formatting import millimetres, number
 
 
@@ -36,12 +36,9 @@ def assumed_size(context: FileContext) -> Iterator[Found]:
 
 def _moved(context: FileContext, name: str, test: BulkTest) -> Iterator[str]:
     """Yield the responses that move by more than their tolerance."""
-    targets = {target.name: target for target in context.problem.targets}
-    for response, info in test.responses.items():
-        target = targets.get(response_name(name, response, len(context.solvers)))
-        if target is None or not target.value or info.sensitivities is None:
-            continue
-        changes, tolerance = info.sensitivities.larger, target.tolerance / abs(target.value)
-        if max(map(abs, changes)) > tolerance:
-            shown = " and ".join(f"{100 * change:+.3g} %" for change in changes)
-            yield f"{response} by {shown} (its tolerance is {number(100 * tolerance, 2)} %)"
+    for one in recorded_scatters(context.problem, context.solvers, {}):
+        known = test.responses[one.response].sensitivities if one.test == name else None
+        if known is not None and max(map(abs, known.larger)) > one.tolerated:
+            shown = " and ".join(f"{100 * change:+.3g} %" for change in known.larger)
+            tolerated = number(100 * one.tolerated, 2)
+            yield f"{one.response} by {shown} (its tolerance is {tolerated} %)"
