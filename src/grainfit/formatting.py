@@ -38,6 +38,17 @@ def with_unit(shown: str, unit: str) -> str:
     return f"{shown}{unit}" if unit in ("", "°") else f"{shown} {unit}"
 
 
+def value_with_unit(value: float, unit: str) -> str:
+    """Return a value with up to six digits, in a unit as readers expect it.
+
+    Examples
+    --------
+    >>> value_with_unit(2205.0, "kg/m^3"), value_with_unit(0.45, "")
+    ('2205 kg/m³', '0.45')
+    """
+    return with_unit(f"{value:g}", unit_for_people(unit))
+
+
 def in_unit(name: str, unit: str) -> str:
     """Return a name with its unit, as the head of a row or a column of values.
 

@@ -14,7 +14,7 @@ from grainfit.calibration import messages
 from grainfit.calibration.judged_answer import JudgedAnswer
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import unit_for_people, with_unit
+from grainfit.formatting import value_with_unit
 from grainfit.metamodels.blow_ups import about_blow_ups
 from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
 from grainfit.problem import Problem, Target
@@ -220,7 +220,7 @@ def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
         if bound is not None:
             value = parameter.minimum if bound == "min" else parameter.maximum
             message = messages.ON_BOUND if on else messages.AGREES_UP_TO_BOUND
-            shown = with_unit(f"{value:g}", unit_for_people(parameter.unit))
+            shown = value_with_unit(value, parameter.unit)
             yield message(parameter=parameter.name, bound=bound, value=shown)
 
 

@@ -11,7 +11,7 @@ from grainfit.calibration.deterministic import DeterministicTests
 from grainfit.calibration.repetitions import Repetitions
 from grainfit.campaign.repeats import seeds_of
 from grainfit.evaluation import Evaluation, Proposal, response_name
-from grainfit.formatting import unit_for_people, with_unit
+from grainfit.formatting import value_with_unit
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver, SourceRecord
 from grainfit.verdict.reasons import NoRecordThere
@@ -118,7 +118,7 @@ class RecordsRead:
 
 def _in_words(record: SourceRecord, units: Mapping[str, str]) -> str:
     shown = {
-        name: with_unit(f"{value:.6g}", unit_for_people(units.get(name, "")))
+        name: value_with_unit(value, units.get(name, ""))
         for name, value in record.parameters.items()
     }
     return ", ".join(f"{name} = {value}" for name, value in shown.items())

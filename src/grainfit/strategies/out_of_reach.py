@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from grainfit.contact_models.registry import material_parameter
-from grainfit.formatting import unit_for_people, with_unit
+from grainfit.formatting import value_with_unit
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
@@ -260,15 +260,13 @@ def _with_bounds(parameter: Parameter, low: float, high: float) -> Parameter:
     return replace(parameter, minimum=low, maximum=high)
 
 
-def _bound(value: float, unit: str) -> str:
-    return with_unit(f"{value:g}", unit_for_people(unit))
-
-
 def widenings(before: Problem, after: Problem) -> list[str]:
     """Return messages that say which bounds were moved."""
     return [
         messages.BOUND_MOVED(
-            bound=f"{old.name}.{key}", was=_bound(was, old.unit), now=_bound(now, old.unit)
+            bound=f"{old.name}.{key}",
+            was=value_with_unit(was, old.unit),
+            now=value_with_unit(now, old.unit),
         )
         for old, new in zip(before.parameters, after.parameters, strict=True)
         for key, was, now in (

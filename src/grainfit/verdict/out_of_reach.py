@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from grainfit.formatting import in_a_row, number, plain_interval, unit_for_people, with_unit
+from grainfit.formatting import (
+    in_a_row,
+    number,
+    plain_interval,
+    unit_for_people,
+    value_with_unit,
+    with_unit,
+)
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict import messages
 
@@ -108,7 +115,8 @@ class OutOfReach:
         return f"{self._missed()} {messages.BOUND(bound=bound, suggestion=suggestion)}"
 
     def _in_words(self, bound: float | None) -> str:
-        return with_unit(f"{bound:g}", unit_for_people(self.parameter_unit))
+        assert bound is not None
+        return value_with_unit(bound, self.parameter_unit)
 
     def _missed(self) -> str:
         together = " together with the other targets" if self.jointly else ""
@@ -120,7 +128,7 @@ class OutOfReach:
         nearest = plain_interval(self.nearest, NORMAL_QUANTILE * self.standard_error)
         return messages.OUT_OF_REACH(
             target=self.target,
-            value=with_unit(f"{self.value:g}", unit_for_people(self.unit)),
+            value=value_with_unit(self.value, self.unit),
             together=together,
             nearest=with_unit(nearest, unit_for_people(self.unit)),
             share=share,
