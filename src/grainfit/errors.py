@@ -25,7 +25,7 @@ def error_in_words(error: BaseException) -> str:
 
     Examples
     --------
-    >>> error_in_words(ValueError("no such\\nvalue")), error_in_words(ValueError())
+    >>> error_in_words(ValueError("no such\nvalue")), error_in_words(ValueError())
     ('ValueError: no such value', 'ValueError, without a message')
     """
     text = " ".join(str(error).split())

@@ -37,7 +37,7 @@ class RepeatedMeasurements:
     Examples
     --------
     >>> repeats = RepeatedMeasurements((528.0, 534.0, 531.0), None, "kg/m^3")
-    >>> repeats.value, round(repeats.uncertainty, 2), repeats.tolerance
+    >>> repeats.value, round(repeats.uncertainty, 2), round(repeats.tolerance, 2)
     (531.0, 3.8, 5.31)
     """
 

@@ -95,7 +95,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     >>> target = gf.Target("angle_of_repose", "22 deg", uncertainty="0.5 deg")
     >>> problem = gf.Problem([gf.Parameter(friction, 0.1, 0.9)], [target])
     >>> round(gf.expected_narrowing(problem, {"heap": heap}).narrowing[friction], 1)
-    0.1
+    0.2
     """
     material = material_of(solvers, problem.middle)
     responses = _responses(problem, solvers, material)
