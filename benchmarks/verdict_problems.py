@@ -7,14 +7,17 @@ seeds, with jams and outliers; that of Cauchy noise, which has no mean, is its c
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import t as student
 
-from calibration_problems import CASES, Case, heap
+from calibration_problems import CASES, Case, heap, true_parameters
 from grainfit.problem import Parameter, Problem, Target
 
 Array = NDArray[np.float64]
@@ -26,6 +29,10 @@ Noise = Callable[[np.random.Generator, Array, int], Array]
 TOLERANCE = 2.0
 BASE = 100.0
 MARGIN = 0.1
+#: Probability that every target is met, at which a calibration is calibrated.
+CONFIDENCE = 0.95
+#: Runs from which the scatter at the answer is computed, and the largest limit that is of use.
+SCATTER_RUNS, LARGEST_LIMIT = 1000, 1000
 
 
 @dataclass(frozen=True)
@@ -35,25 +42,76 @@ class KnownProblem:
     Parameters
     ----------
     problem : Problem
-        Parameters and targets.
+        Parameters, targets and measured curves.
     expected : callable
-        True expected responses, in the order of the targets, at given parameters.
+        True expected responses at given parameters: those of the targets, then the points of the
+        curves.
     simulate : callable
         Responses of one run by name, at given parameters and seed.
     is_reachable : bool
         Whether some parameter set truly meets every target.
+    truth : mapping of str to float, optional
+        The parameters that gave the targets.
+    identifiable : tuple of str
+        Parameters that the targets determine.
     """
 
     problem: Problem
     expected: Callable[[Mapping[str, float]], Array]
-    simulate: Callable[[dict[str, float], int], dict[str, float]]
+    simulate: Callable[[dict[str, float], int], Mapping[str, Any]]
     is_reachable: bool = True
+    truth: Mapping[str, float] | None = None
+    identifiable: tuple[str, ...] = ()
 
     def tolerances_off(self, parameters: Mapping[str, float]) -> float:
-        """Largest true deviation of an expected response, in units of its tolerance."""
-        targets = self.problem.targets
-        off = self.expected(parameters) - np.array([target.value for target in targets])
-        return float(np.max(np.abs(off) / np.array([target.tolerance for target in targets])))
+        """Largest true deviation of an expected response, in units of its tolerance.
+
+        Correlated targets are also met together: the root mean square of their decorrelated
+        deviations counts as one more.
+        """
+        measured, tolerances = self._measured()
+        off = (self.expected(parameters) - measured) / tolerances
+        largest = float(np.max(np.abs(off)))
+        if not self.problem.correlations:
+            return largest
+        together = self.problem.decorrelation @ off[: len(self.problem.targets)]
+        return max(largest, float(np.sqrt(np.mean(together**2))))
+
+    def statistical_limit(self) -> int | None:
+        """Fewest runs that can establish that every target is met; None without an answer.
+
+        The mean of n runs exactly on the targets, of which as many were spent on a trend as there
+        are parameters and one, has Student's distribution with n - d - 1 degrees of freedom and the
+        standard error scatter / sqrt(n). Of the points of a curve, which scatter together, the
+        most scattering one counts. There are at least three runs beyond those of the trend.
+        """
+        if self.truth is None or not self.is_reachable:
+            return None
+        first = self.problem.dimension + 1
+        scatter = self._scatter_at(self.truth)
+        for runs in range(first + 3, LARGEST_LIMIT):
+            with np.errstate(divide="ignore"):
+                widths = math.sqrt(runs) / scatter
+            if np.prod(2 * student.cdf(widths, runs - first) - 1) >= CONFIDENCE:
+                return runs
+        return None
+
+    def _measured(self) -> tuple[Array, Array]:
+        """Return the measured values and their tolerances, in the order of `expected`."""
+        targets, curves = self.problem.targets, self.problem.curves
+        values = [[target.value for target in targets], *(curve.values for curve in curves)]
+        widths = [[target.tolerance for target in targets], *(c.tolerances for c in curves)]
+        return np.concatenate(values), np.concatenate(widths)
+
+    def _scatter_at(self, parameters: Mapping[str, float]) -> Array:
+        """Return the scatter of single runs in tolerances, one for each target and each curve."""
+        targets, curves = self.problem.targets, self.problem.curves
+        runs = [self.simulate(dict(parameters), seed) for seed in range(SCATTER_RUNS)]
+        scatter = [np.std([run[t.name] for run in runs]) / t.tolerance for t in targets]
+        for curve in curves:
+            points = np.std([run[curve.name].values for run in runs], axis=0)
+            scatter.append(np.max(points / curve.tolerances))
+        return np.array(scatter)
 
 
 # Noise --------------------------------------------------------------------------------------
@@ -200,7 +258,9 @@ def _drawn(
             responses = BASE + TOLERANCE * (np.atleast_1d(surface(point)) + drawn)
             return {t.name: float(v) for t, v in zip(targets, responses, strict=True)}
 
-        return KnownProblem(Problem(parameters, targets), expected, simulate, beyond is None)
+        names = [p.name for p in parameters]
+        truth = dict(zip(names, place.tolist(), strict=True)) if beyond is None else None
+        return KnownProblem(Problem(parameters, targets), expected, simulate, beyond is None, truth)
 
     return draw
 
@@ -216,7 +276,8 @@ def _recorded(make: Callable[[int], Case], reachable: bool = True) -> Callable[[
             found = case.simulate(values, run_seed).tolist()
             return dict(zip(names, found, strict=True))
 
-        return KnownProblem(case.problem, case.expected, simulate, reachable)
+        truth = true_parameters(case.problem, seed) if reachable else None
+        return KnownProblem(case.problem, case.expected, simulate, reachable, truth)
 
     return draw
 
