@@ -38,6 +38,9 @@ class Known(Kriging):
     def variance_of_scatter(self) -> float:
         return self._scatter**2
 
+    def share_below(self, deviations) -> np.ndarray:
+        return norm.cdf(deviations)
+
     def gradients(self, points) -> np.ndarray:
         return np.full((len(points), 1), 3.0)
 
@@ -114,3 +117,16 @@ def test_two_runs_more_than_parameters_are_needed(successes: int, enough: bool) 
     else:
         with pytest.raises(RunFailedError, match=r"only 2 of 3 runs .* 3 are needed.*it blew up"):
             Metamodels.fit(PROBLEM, evaluations)
+
+
+def test_few_runs_give_probabilities_with_the_tails_of_student() -> None:
+    random = np.random.default_rng(4)
+    points = random.random((8, 1))
+    model = Kriging.fit(points, 10.0 + 0.5 * random.standard_normal(8))
+    found = model.predict([[0.5]])
+    error = float(found.standard_error[0])
+    far = Target("angle", float(found.mean[0]), tolerance=model.quantile(0.01) * error)
+    known = Metamodels(Problem([Parameter("x", 0.0, 1.0)], [far]), [model])
+    assert known.probability_all_met([[0.5]])[0] == pytest.approx(0.99)
+    # A normal distribution of the same 95 % interval is too sure.
+    assert inside(0.0, far.tolerance, error) > 0.996

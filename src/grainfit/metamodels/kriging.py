@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import stdtrit
+from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
 from grainfit.errors import InputError
@@ -226,6 +226,13 @@ class Kriging:
         """
         freedom = self._degrees_of_freedom
         return -float(stdtrit(freedom, share / 2)) / math.sqrt(self._inflation)
+
+    def share_below(self, deviations: FloatArray) -> FloatArray:
+        """Probability that the truth is below so many standard deviations, the same shape.
+
+        The distribution function that `quantile` inverts.
+        """
+        return np.asarray(stdtr(self._degrees_of_freedom, deviations * math.sqrt(self._inflation)))
 
     @property
     def components(self) -> int:

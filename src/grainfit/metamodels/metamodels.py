@@ -139,10 +139,11 @@ class Metamodels:
         means, variances : ndarray, shape (m, number of targets)
             The variance is that of the expected response, not of a single run.
         """
-        means, variances = self._predict_without_outliers(points)
+        means, variances = self.predict_without_outliers(points)
         return means + self._shifts, variances + self._shift_variances
 
-    def _predict_without_outliers(self, points: ArrayLike) -> tuple[Array, Array]:
+    def predict_without_outliers(self, points: ArrayLike) -> tuple[Array, Array]:
+        """Return the same by the runs that are no outliers."""
         predictions = [model.predict(np.atleast_2d(points)) for model in self.models]
         return (
             np.column_stack([prediction.mean for prediction in predictions]),
@@ -253,15 +254,17 @@ class Metamodels:
     def probability_all_met(self, points: ArrayLike) -> Array:
         """Probability that every expected response is within its tolerance, shape (m,).
 
-        The metamodels are fitted one by one, so their errors count as independent. Correlated
-        targets are met together when, besides, the mean square of their decorrelated deviations is
-        at most one tolerance squared: without correlation the tolerances imply that.
+        The errors are Student's to their tails, and count as independent from response to response:
+        with any correlation the product is a lower bound where the targets are met in the middle
+        (Šidák 1967, J. Am. Stat. Assoc. 62, 626-633). Correlated targets are met together when,
+        besides, the mean square of their decorrelated deviations is at most one tolerance squared:
+        without correlation the tolerances imply that.
         """
         return self._probability(*self.predict(points))
 
     def probability_without_outliers(self, points: ArrayLike) -> Array:
         """Probability that all targets are met by runs that are no outliers, shape (m,)."""
-        return self._probability(*self._predict_without_outliers(points))
+        return self._probability(*self.predict_without_outliers(points))
 
     def probabilities(self, points: ArrayLike) -> Array:
         """Probability that each expected response is within its tolerance, shape (m, targets)."""
@@ -291,7 +294,12 @@ class Metamodels:
         off = means - self._targets
         error = np.sqrt(np.maximum(variances, (_NO_NOISE * self._tolerances) ** 2))
         upper, lower = (self._tolerances - off) / error, (-self._tolerances - off) / error
-        return np.asarray(ndtr(upper) - ndtr(lower))
+        return np.column_stack(
+            [
+                model.share_below(high) - model.share_below(low)
+                for model, high, low in zip(self.models, upper.T, lower.T, strict=True)
+            ]
+        )
 
     def runs_needed(self, point: Array, confidence: float) -> int:
         """Estimate how many more runs at a point would confirm that it agrees, at most a million.
