@@ -19,10 +19,12 @@ from grainfit.metamodels.outliers import Outliers
 from grainfit.result import MetamodelQuality, RunCounts
 from grainfit.strategies.answer import Answer
 from grainfit.verdict import messages
+from grainfit.verdict.evidence import Expected
 from grainfit.verdict.out_of_reach import OutOfReach
 from grainfit.verdict.reasons import (
     FreshSeedsMissing,
     NoisyResponse,
+    OnTheEdge,
     OutliersDecide,
     OutlyingRuns,
     TooMuchScatter,
@@ -31,7 +33,9 @@ from grainfit.verdict.reasons import (
 
 ANGLE = gf.Target("angle", 30.0, tolerance=0.5, unit="deg")
 PROBLEM = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [ANGLE])
-FRESH = FreshRuns({"angle": {1: 29.9, 2: 30.0, 3: 30.2}}, ())
+FRESH = FreshRuns(
+    {"angle": {1: 29.9, 2: 30.0, 3: 30.2}}, (), expected={"angle": Expected(30.0, 0.3)}
+)
 OUTLIERS = Outliers((3,), np.array([-6.0]), 20, (4711,))
 RESULT = gf.Result(
     "undecided", {}, {}, RunCounts(), None, None, None, 1.0, 0.9, 0.3, "", "", "sequential", 1, "0"
@@ -84,13 +88,24 @@ def test_a_verdict_follows_the_probability(probability: float, status: str, verd
     assert found.judgement.responses == {"angle": verdict}
 
 
-def test_fresh_seeds_that_contradict_all_runs_leave_it_undecided() -> None:
-    found = judged(fresh=FreshRuns({"angle": {1: 32.4, 2: 32.5, 3: 32.7}}, ()))
+def test_fresh_seeds_that_contradict_the_others_leave_it_undecided() -> None:
+    found = judged(fresh=replace(FRESH, values={"angle": {1: 32.4, 2: 32.5, 3: 32.7}}))
     assert found.status == "undecided"
     assert found.judgement.responses == {"angle": "in doubt"}
     [reason] = found.reasons
     assert (reason.kind, reason.target, reason.runs) == ("contradicted", "angle", 3)
     assert "3 fresh seeds at the answer give 32.53 on average" in str(reason)
+
+
+def test_an_answer_on_the_edge_of_a_tolerance_is_called_so() -> None:
+    found = judged(0.6, predicted={"angle": 30.48}, runs_needed=10**6)
+    assert found.status == "undecided"
+    assert isinstance(found.reasons[0], OnTheEdge)
+    assert "on the edge of the tolerance: expected is angle 0.96 tolerances off" in str(
+        found.reasons[0]
+    )
+    beyond = judged(0.1, predicted={"angle": 30.6}, runs_needed=10**6)
+    assert "beyond the edge" in str(beyond.reasons[0])
 
 
 def test_a_target_out_of_reach_is_unreachable_whatever_the_probability() -> None:
@@ -215,7 +230,9 @@ def test_fresh_curves_that_contradict_all_runs_are_named_by_curve_and_points() -
         for name, score in basis.scores(130 * STRAINS).items():
             fresh[name][seed] = score.value
     known = answer_on_a_curve(reduction, 0.99)
-    [reason] = judge_answer(reduction.problem, known, FreshRuns(fresh, ()), 0.95, 3).reasons
+    expected = {name: Expected(value, 0.2) for name, value in known.predicted.items()}
+    runs = FreshRuns(fresh, (), expected=expected)
+    [reason] = judge_answer(reduction.problem, known, runs, 0.95, 3).reasons
     assert (reason.kind, reason.curve, reason.runs) == ("curve contradicted", "stress", 3)
     assert str(reason.miss) == messages.CURVE_MISS(
         deviation="8.2",

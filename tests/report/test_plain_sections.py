@@ -42,11 +42,11 @@ from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
 from grainfit.report.verdict import shown_verdict
-from grainfit.result import MetamodelQuality, ParameterInterval, Result, RunCounts
+from grainfit.result import ParameterInterval, Result, RunCounts
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.verdict.out_of_reach import OutOfReach
-from grainfit.verdict.reasons import FreshSeedsMissing, OutliersDecide, Reason
+from grainfit.verdict.reasons import Contradicted, FreshSeedsMissing, OutliersDecide, Reason
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 DENSITY, FRICTION = "particle.density", "particle_particle.rolling_friction"
@@ -643,24 +643,11 @@ def test_verification_puts_the_mean_of_fresh_seeds_beside_what_all_runs_expect()
     assert expected["error_x"]["array"][0] == pytest.approx(1.96 * 0.11)
 
 
-def test_fresh_seeds_that_contradict_all_runs_are_marked_as_the_verdict_has_it() -> None:
-    def shown(expected: float) -> str:
-        quality = MetamodelQuality(0.9, 0.95, noise=0.34)
-        angle = replace(ANGLE, predicted=expected, verdict="in doubt")
-        result = replace(
-            RESULT,
-            responses={**RESULT.responses, "angle_of_repose": angle},
-            metamodels={
-                "bulk_density": MetamodelQuality(0.9, 0.95, 2.0),
-                "angle_of_repose": quality,
-            },
-        )
-        return text(verification(context("undecided", result)))
-
-    # The mean of 21.925 has a standard error of 0.17 by the scatter of all runs.
-    assert "angle of repose ✓ agrees" in shown(22.1)
-    assert "angle of repose ! differs" in shown(22.7)
-    assert "bulk density ✓ agrees" in shown(22.7)
+def test_fresh_seeds_that_contradict_the_others_are_marked_as_the_verdict_has_it() -> None:
+    doubt = Contradicted("angle_of_repose", "deg", 21.93, 0.54, 4, 22.7)
+    shown = text(verification(context("undecided", replace(RESULT, reasons=(doubt,)))))
+    assert "angle of repose ! differs" in shown
+    assert "bulk density ✓ agrees" in shown
 
 
 @pytest.mark.parametrize(

@@ -145,14 +145,13 @@ def _curve(basis: CurveBasis, outcome: JudgedAnswer) -> CurveResult:
 
 
 def _fresh_curves(basis: CurveBasis, fresh: FreshRuns) -> NDArray[np.float64]:
-    """Return the curves of fresh seeds, carried over to the answer, shape (runs, n)."""
+    """Return the curves of fresh seeds, shape (runs, n)."""
     first = basis.names[0]
     found = []
     for run in fresh.evaluations:
-        seed, values = run.proposal.seed, basis.values_of(run)
-        if values is not None and seed in fresh.values[first]:
-            moved = [fresh.values[n][seed] - run.responses[n].value for n in basis.names]
-            found.append(values + basis.root @ (np.array(moved) @ basis.components))
+        values = basis.values_of(run)
+        if values is not None and run.proposal.seed in fresh.values[first]:
+            found.append(values)
     return np.array(found).reshape(len(found), len(basis.target.values))
 
 

@@ -97,7 +97,7 @@ def calibrate(
     name : str
         Display name of the calibration.
     verification_runs : int, optional
-        Fewest runs with fresh seeds at, or very near, the answer, at least 2; by default 3.
+        Fewest runs with fresh seeds at the answer, at least 2; by default 3.
     timeouts : mapping of str to float, optional
         Longest wall time of one run by name of the test, s; ``math.inf`` for none. By default
         that of the solver: for a bulk test 10 minutes plus 100 times the estimated time of a run.

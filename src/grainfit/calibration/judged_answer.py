@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grainfit.calibration.verification import FreshRuns
+from grainfit.calibration.repetitions import Repetitions
+from grainfit.calibration.verification import FreshRuns, fresh_runs, mean_with_interval
+from grainfit.evaluation import Evaluation
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.outliers import Outliers
 from grainfit.problem import Problem, Target
@@ -15,8 +17,10 @@ from grainfit.strategies.answer import Answer
 from grainfit.strategies.out_of_reach import miss_of
 from grainfit.verdict.evidence import CurveEvidence, Evidence, TargetEvidence, Verified
 from grainfit.verdict.out_of_reach import CurveMiss
-from grainfit.verdict.reasons import NoisyCurve, OutlyingRuns, Reason
+from grainfit.verdict.reasons import NoisyCurve, NoRecordThere, OutlyingRuns, Reason
 from grainfit.verdict.rule import Judgement, Status, judge, reasons_for
+
+_FEWEST_OF_MEAN = 2
 
 
 @dataclass(frozen=True)
@@ -46,9 +50,89 @@ class JudgedAnswer:
         return self.judgement.status
 
     @property
+    def runs_to_confirm(self) -> int:
+        """Runs at the answer that would confirm it, as far as is known."""
+        return max(self.answer.runs_needed, *self.judgement.lacking.values())
+
+    @property
     def reasons(self) -> tuple[Reason, ...]:
         """The reasons for the verdict."""
         return tuple(reasons_for(self.evidence, self.judgement))
+
+
+@dataclass(frozen=True)
+class Demands:
+    """What is demanded of an answer that is called calibrated.
+
+    Parameters
+    ----------
+    confidence : float
+        Probability that every target is met.
+    fewest_fresh : int
+        Number of fresh seeds.
+    repeats : mapping of str to int
+        Runs with different seeds whose mean is one evaluation, by name of the test.
+    """
+
+    confidence: float
+    fewest_fresh: int
+    repeats: Mapping[str, int]
+
+
+def judge_by_runs(
+    problem: Problem,
+    answer: Answer,
+    evaluations: Sequence[Evaluation],
+    demands: Demands,
+    repetitions: Repetitions | None = None,
+    no_record: Sequence[NoRecordThere] = (),
+) -> JudgedAnswer:
+    """Judge an answer by all runs.
+
+    Fresh seeds that contradict the others become known: those after them are compared with what
+    all runs before lead to expect.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and targets, components for curves.
+    answer : Answer
+        The answer, described by all runs.
+    evaluations : sequence of Evaluation
+        All runs, a warm start included, those with fresh seeds in the order of their requests.
+    demands : Demands
+        What is demanded.
+    repetitions : Repetitions, optional
+        Runs that are no evidence of their own.
+    no_record : sequence of NoRecordThere
+        Tests whose runs are read from a table that has none at the answer.
+    """
+    spent: set[int] = set()
+    while True:
+        fresh = fresh_runs(problem, answer.parameters, evaluations, repetitions, spent)
+        judged = judge_answer(
+            problem,
+            answer,
+            replace(fresh, no_record=no_record),
+            demands.confidence,
+            demands.fewest_fresh,
+            demands.repeats,
+        )
+        contradicting = _first_contradicting(problem, judged, demands.fewest_fresh)
+        if not contradicting:
+            return judged
+        spent |= contradicting
+
+
+def _first_contradicting(problem: Problem, judged: JudgedAnswer, fewest: int) -> set[int]:
+    """Return the seeds of the first fresh runs of contradicted tests, if others follow them."""
+    found: set[int] = set()
+    tests = {problem.scope_of(name).name for name in judged.judgement.contradicted}
+    for test in tests - set(judged.fresh.deterministic):
+        runs = [one for one in judged.fresh.evaluations if one.proposal.asks_for(test)]
+        if len(runs) > fewest:
+            found |= {one.proposal.seed for one in runs[:fewest]}
+    return found
 
 
 def judge_answer(
@@ -68,7 +152,7 @@ def judge_answer(
     answer : Answer
         The answer, described by all runs.
     fresh : FreshRuns
-        Runs with fresh seeds at or very near the answer.
+        Runs with fresh seeds at the answer.
     confidence : float
         Demanded probability.
     fewest_fresh : int
@@ -76,7 +160,7 @@ def judge_answer(
     repeats : mapping of str to int, optional
         Runs with different seeds whose mean is one evaluation, by name of the test.
     """
-    verified = fresh.verified()
+    verified = _without_outlying(fresh, answer)
     bases = answer.reduction.bases if answer.reduction else ()
     failed, ended = fresh.failures
     pairs = problem.correlations
@@ -130,6 +214,7 @@ def _of_target(
         answer.probabilities[name],
         noise=None if quality is None else quality.noise,
         fresh=verified.get(name, only),
+        others=fresh.expected.get(name),
         fresh_seeds=len(values),
         repeats=_repeats(problem, target, repeats),
         noise_range=None if quality is None else quality.noise_range,
@@ -138,6 +223,18 @@ def _of_target(
         curve=next((basis.target.name for basis in curves if name in basis.names), ""),
         is_deterministic=is_deterministic,
     )
+
+
+def _without_outlying(fresh: FreshRuns, answer: Answer) -> dict[str, Verified]:
+    """Return the means of fresh seeds that belong to the others: those are what is expected."""
+    found = {}
+    for name, values in fresh.values.items():
+        outlying = answer.outliers[name].seeds if name in answer.outliers else ()
+        typical = [value for seed, value in values.items() if seed not in outlying]
+        kept = typical if 2 * len(typical) > len(values) else list(values.values())
+        if len(kept) >= _FEWEST_OF_MEAN:
+            found[name] = mean_with_interval(kept)
+    return found
 
 
 def _repeats(problem: Problem, target: Target, repeats: Mapping[str, int]) -> int:

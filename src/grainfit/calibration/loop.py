@@ -16,14 +16,13 @@ from grainfit.calibration import messages
 from grainfit.calibration.build_result import Ending, make_result
 from grainfit.calibration.expected_deviation import ExpectedDeviation
 from grainfit.calibration.intervals import with_intervals
-from grainfit.calibration.judged_answer import JudgedAnswer, judge_answer
+from grainfit.calibration.judged_answer import Demands, JudgedAnswer, judge_by_runs
 from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.records_read import RecordsRead
 from grainfit.calibration.repetitions import Repetitions
 from grainfit.calibration.runs_to_come import RunsSoFar, runs_to_come
-from grainfit.calibration.verification import runs_near
 from grainfit.calibration.warm_start import warm_start
 from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
 from grainfit.campaign.campaign import Campaign
@@ -43,10 +42,13 @@ from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
 from grainfit.strategies.seeds import insertion_seed
 from grainfit.verdict.options import VERDICT
+from grainfit.verdict.reasons import NoRecordThere
 from grainfit.verdict.rule import Status
 
 #: Failed runs without a success after which a calibration stops: for one reason, and for several.
 _MOST_EQUAL_FAILURES, _MOST_FAILURES = 3, 8
+#: Of many fresh seeds that are needed, this part is run before the answer is judged again.
+_PART = 4
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,8 @@ class CalibrationLoop:
         self._known: Sequence[Evaluation] = ()
         #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
-        self._verification_asked = 0
+        #: Numbers of the runs of the verification by their seeds.
+        self._fresh_seeds: dict[int, int] = {}
         #: Notices of the search and of the campaign, in the order in which they came.
         self._notices: list[str] = []
         self._taken = (0, 0)
@@ -216,36 +219,62 @@ class CalibrationLoop:
         while self._can_be_confirmed(outcome):
             before = len(self._evaluations)
             self._run_fresh_seeds(outcome)
-            outcome = self._judge_answer()
+            outcome = self._judge_at(outcome.answer.parameters)
             if self._is_sure(outcome):
                 break
             if self._strategy.resume_after_verification(self._left()):
                 self._run_strategy()
-                outcome = self._judge_answer()
+                outcome = self._keep_or_move(outcome.answer.parameters)
             if len(self._evaluations) == before:
                 # Fresh seeds of a deterministic model are none, and the search has ended.
                 break
         return outcome
 
     def _judge_answer(self) -> JudgedAnswer:
-        return self._judge(self._strategy.answer(self._recorded_answer()))
+        """Judge what the search proposes; its parameters are those that people will read."""
+        if recorded := self._recorded_answer():
+            return self._judge_at(recorded)
+        answer = self._strategy.answer()
+        shown = self._strategy.current_problem.rounded(answer.parameters)
+        if self._no_record_at(answer.parameters) != self._no_record_at(shown):
+            # A row of a table is simulated at its own parameters.
+            return self._judge(answer)
+        return self._judge_at(shown)
+
+    def _judge_at(self, parameters: Mapping[str, float]) -> JudgedAnswer:
+        return self._judge(self._strategy.answer(parameters))
+
+    def _keep_or_move(self, frozen: Mapping[str, float]) -> JudgedAnswer:
+        """Judge the answer that is verified, or the one of the search if it is confirmed sooner."""
+        moved, kept = self._judge_answer(), self._judge_at(frozen)
+        if self._recorded or moved.runs_to_confirm < kept.runs_to_confirm:
+            return moved
+        return kept
 
     def _judge(self, answer: Answer) -> JudgedAnswer:
-        usable = without_blow_ups(self._problem, self._evaluations)
-        problem, evaluations = answer.reduced(self._problem, usable)
-        fresh = runs_near(
-            problem, answer, evaluations, self._strategy.answer, self._repetitions(evaluations)
-        )
-        missing = self._records.missing_at(answer.parameters, self._problem)
-        fresh = replace(fresh, no_record=missing)
-        return judge_answer(
+        every = without_blow_ups(self._problem, [*self._known, *self._in_order()])
+        problem, evaluations = answer.reduced(self._problem, every)
+        return judge_by_runs(
             problem,
             answer,
-            fresh,
-            self._strategy.confidence,
-            self._options.verification_runs,
-            self._campaign.repeats,
+            evaluations,
+            Demands(
+                self._strategy.confidence, self._options.verification_runs, self._campaign.repeats
+            ),
+            self._repetitions(self._evaluations),
+            self._no_record_at(answer.parameters),
         )
+
+    def _no_record_at(self, parameters: Mapping[str, float]) -> list[NoRecordThere]:
+        return self._records.missing_at(parameters, self._problem)
+
+    def _in_order(self) -> list[Evaluation]:
+        """Return all evaluations, those with fresh seeds last and in the order of their requests.
+
+        They end in another order on another machine, and the verdict does not depend on that.
+        """
+        order = self._fresh_seeds
+        return sorted(self._evaluations, key=lambda one: order.get(one.proposal.seed, 0))
 
     def _repetitions(self, evaluations: Sequence[Evaluation]) -> Repetitions:
         """Return the runs at answers that are no evidence of their own, see `RecordsRead`."""
@@ -270,9 +299,17 @@ class CalibrationLoop:
             and not answer.out_of_reach
             and (left is None or left > 0)
             and min(answer.probability_all_met, answer.probability_without_outliers) >= least
-            and answer.runs_needed <= VERDICT.most_fresh_seeds
-            and self._verification_asked < VERDICT.most_verification * self._tests
+            and answer.runs_needed <= self._affordable
         )
+
+    @property
+    def _affordable(self) -> int:
+        """Parameter sets left for fresh seeds: of the budget, or of what is usual without one."""
+        left = self._left()
+        if left is not None:
+            return left
+        done = math.ceil(_runs(self._evaluations) / self._campaign.runs_per_set)
+        return (self._strategy.limit or done) + VERDICT.most_verification - done
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
         """Return the answer that an earlier start was verifying when it ended."""
@@ -343,8 +380,9 @@ class CalibrationLoop:
         self._recall_verification(answer)
         waiting = []
         for tests in self._tests_to_verify(outcome):
-            self._verification_asked += 1
-            seed = insertion_seed(self._strategy.seed, "verification", self._verification_asked)
+            number = len(self._fresh_seeds) + 1
+            seed = insertion_seed(self._strategy.seed, "verification", number)
+            self._fresh_seeds[seed] = number
             waiting.append(Proposal(answer.parameters, seed, "verification", tests))
         order = {proposal.seed: position for position, proposal in enumerate(waiting)}
         ended: list[Evaluation] = []
@@ -388,7 +426,7 @@ class CalibrationLoop:
             if "" in fresh.deterministic:
                 return [None] * missing[""]
             lacking = fewest - fresh.count
-            count = max(lacking, min(answer.runs_needed, workers), 1)
+            count = max(lacking, min(answer.runs_needed, workers), answer.runs_needed // _PART, 1)
             return [None] * (count if left is None else min(count, max(left, 1)))
         wanted = [test for test, count in missing.items() for _ in range(count)]
         problem, _ = answer.reduced(self._problem, ())
@@ -520,7 +558,7 @@ class CalibrationLoop:
                 _runs(evaluations),
                 failed,
                 _runs(verified),
-                math.ceil(self._verification_asked * campaign.runs_per_set / campaign.tests),
+                math.ceil(len(self._fresh_seeds) * campaign.runs_per_set / campaign.tests),
                 self._stage == "design",
             ),
         )

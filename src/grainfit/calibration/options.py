@@ -54,7 +54,7 @@ class CalibrationOptions:
     )
     verification_runs: int | None = option(
         Whole(2),
-        "Fewest runs with fresh seeds at, or very near, the answer.",
+        "Fewest runs with fresh seeds at the answer.",
         default_text="3",
         example="8",
     )

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from grainfit.calibration.build_result import Ending, make_result
-from grainfit.calibration.judged_answer import judge_answer
+from grainfit.calibration.judged_answer import Demands, judge_by_runs
 from grainfit.calibration.repetitions import Repetitions
-from grainfit.calibration.verification import runs_near
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.blow_ups import without_blow_ups
@@ -61,12 +60,15 @@ def result_so_far(
     for evaluation in (*evaluations, *warm_start):
         if not repetitions.is_known(evaluation):
             search.note(evaluation)
+    verified = [one for one in evaluations[-1:] if one.proposal.stage == "verification"]
     try:
-        answer = search.answer()
+        # An answer is frozen while it is verified.
+        answer = search.answer(verified[0].proposal.parameters if verified else None)
     except RunFailedError:
         return None
-    reduced, usable = answer.reduced(problem, without_blow_ups(problem, evaluations))
-    fresh = runs_near(reduced, answer, usable, search.answer, repetitions)
+    every = without_blow_ups(problem, (*evaluations, *warm_start))
+    reduced, usable = answer.reduced(problem, every)
     repeats = {scope.name: scope.repeats for scope in problem.scopes}
-    outcome = judge_answer(reduced, answer, fresh, search.confidence, VERDICT.fresh_seeds, repeats)
+    demands = Demands(search.confidence, VERDICT.fresh_seeds, repeats)
+    outcome = judge_by_runs(reduced, answer, usable, demands, repetitions)
     return make_result(Ending("", "", 0.0, 0.0, "interrupted"), search, outcome, evaluations)

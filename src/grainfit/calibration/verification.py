@@ -1,31 +1,30 @@
-"""Verify an answer by runs with fresh seeds, which had no part in its choice.
+"""Verify an answer by runs with fresh seeds at exactly its parameters.
 
-The fresh runs go into the metamodels like all others, and the answer is chosen again with them. So
-it moves a little, and runs very near it count as runs at it: their responses are carried over by
-the metamodels' difference between the two points.
+The answer is frozen before its first fresh seed. They go into the metamodels like all others, but
+what they are compared with is what the metamodels expect without them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import sqrt
 from statistics import fmean, stdev
 
 from scipy.special import stdtrit
 
 from grainfit.calibration.repetitions import Repetitions
+from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
-from grainfit.strategies.answer import Answer
-from grainfit.verdict.evidence import Verified
-from grainfit.verdict.options import VERDICT
+from grainfit.verdict.evidence import Expected, Verified
 from grainfit.verdict.reasons import NoRecordThere
 
 
 @dataclass(frozen=True)
 class FreshRuns:
-    """Responses of fresh seeds, carried over to the answer.
+    """Responses of fresh seeds at the answer.
 
     Parameters
     ----------
@@ -35,6 +34,9 @@ class FreshRuns:
         The runs themselves, failed ones included.
     search : sequence of Evaluation
         The runs that verify nothing: where there are none at the answer, they tell how many fail.
+    expected : mapping of str to Expected
+        What the runs without these lead to expect, outlying ones left out; empty where they are
+        too few.
     no_record : sequence of NoRecordThere
         Tests whose runs are read from a table that has none at the answer.
     repeats_records : bool
@@ -46,6 +48,7 @@ class FreshRuns:
     values: Mapping[str, Mapping[int, float]]
     evaluations: Sequence[Evaluation]
     search: Sequence[Evaluation] = ()
+    expected: Mapping[str, Expected] = field(default_factory=dict)
     no_record: Sequence[NoRecordThere] = ()
     repeats_records: bool = False
     deterministic: tuple[str, ...] = ()
@@ -71,75 +74,68 @@ class FreshRuns:
         }
 
 
-def runs_near(
+def fresh_runs(
     problem: Problem,
-    answer: Answer,
+    parameters: Mapping[str, float],
     evaluations: Iterable[Evaluation],
-    describe: Callable[[Mapping[str, float]], Answer],
     repetitions: Repetitions | None = None,
+    spent: Collection[int] = (),
 ) -> FreshRuns:
-    """Return the verification runs at or very near an answer.
+    """Return the runs with fresh seeds at a parameter set.
 
     Parameters
     ----------
     problem : Problem
         Parameters and targets.
-    answer : Answer
+    parameters : mapping of str to float
         The answer.
     evaluations : iterable of Evaluation
         All runs.
-    describe : callable
-        Returns the predictions for a parameter set; only called for the few that are verified.
     repetitions : Repetitions, optional
         Runs that are no evidence of their own.
+    spent : collection of int
+        Seeds of runs at the answer that have contradicted the others: they are known now, and
+        fresh no more.
     """
     repetitions = repetitions or Repetitions()
     stale = repetitions.stale
     values: dict[str, dict[int, float]] = {target.name: {} for target in problem.targets}
-    near: list[Evaluation] = []
-    search: list[Evaluation] = []
-    shifts: dict[tuple[float, ...], dict[str, float] | None] = {}
+    there: list[Evaluation] = []
+    others: list[Evaluation] = []
     for evaluation in evaluations:
-        if evaluation.proposal.stage != "verification":
-            search.append(evaluation)
+        seed = evaluation.proposal.seed
+        is_fresh = evaluation.proposal.stage == "verification" and seed not in spent
+        if not is_fresh or evaluation.proposal.parameters != parameters:
+            if not repetitions.is_known(evaluation):
+                others.append(evaluation)
             continue
-        place = tuple(evaluation.proposal.parameters.values())
-        if place not in shifts:
-            shifts[place] = _shift(problem, answer, evaluation.proposal.parameters, describe)
-        shift = shifts[place]
-        if shift is None:
-            continue
-        near.append(evaluation)
-        ignored = stale.get(evaluation.proposal.seed, ())
+        there.append(evaluation)
+        ignored = stale.get(seed, ())
         for name, response in evaluation.responses.items():
             if name in values and name not in ignored:
-                values[name][evaluation.proposal.seed] = response.value + shift[name]
+                values[name][seed] = response.value
     return FreshRuns(
         values,
-        near,
-        search,
+        there,
+        [one for one in others if one.proposal.stage != "verification"],
+        _expected(problem, parameters, others) if there else {},
         repeats_records=not repetitions.deterministic
-        and any(one.proposal.seed in stale for one in near),
+        and any(one.proposal.seed in stale for one in there),
         deterministic=repetitions.deterministic,
     )
 
 
-def _shift(
-    problem: Problem,
-    answer: Answer,
-    parameters: Mapping[str, float],
-    describe: Callable[[Mapping[str, float]], Answer],
-) -> dict[str, float] | None:
-    """Return the differences of expected responses to the answer; None if it is not near."""
-    if parameters == answer.parameters:
-        return dict.fromkeys(answer.predicted, 0.0)
-    apart = problem.to_unit(parameters) - problem.to_unit(answer.parameters)
-    if max(map(abs, apart)) > VERDICT.near_parameters:
-        return None
-    there = describe(parameters)
-    shift = {name: value - there.predicted[name] for name, value in answer.predicted.items()}
-    far = any(abs(shift[t.name]) > VERDICT.near_responses * t.tolerance for t in problem.targets)
-    return None if far else shift
+def _expected(
+    problem: Problem, parameters: Mapping[str, float], others: Sequence[Evaluation]
+) -> dict[str, Expected]:
+    try:
+        metamodels = Metamodels.fit(problem, others)
+    except RunFailedError:
+        return {}
+    means, variances = metamodels.predict_without_outliers([problem.to_unit(parameters)])
+    names = [target.name for target in problem.targets]
+    found = zip(names, means[0].tolist(), variances[0].tolist(), strict=True)
+    return {name: Expected(mean, sqrt(variance)) for name, mean, variance in found}
 
 
 def mean_with_interval(values: Sequence[float]) -> Verified:

@@ -304,16 +304,16 @@ class Metamodels:
     def runs_needed(self, point: Array, confidence: float) -> int:
         """Estimate how many more runs at a point would confirm that it agrees, at most a million.
 
-        Assumes that the search meets the targets and only the noise is left.
+        Assumes that the expected responses stay as they are and their errors shrink.
         """
-        _, variances = self.predict(point)
+        means, variances = self.predict(point)
         counts = np.unique(np.geomspace(1, 1e6, 400).round())
         scatter = self.scatter_at(point)[0] * self._units**2
         variances = variances - self._shift_variances
         runs = np.array([found.runs for found in self.outliers])
         left = variances / (1 + counts[:, None] * variances / scatter)
         left += self._shift_variances * runs / (runs + counts[:, None])
-        enough = self._probability(np.tile(self._targets, (len(counts), 1)), left) >= confidence
+        enough = self._probability(np.tile(means, (len(counts), 1)), left) >= confidence
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
     def runs_by_worth(
@@ -321,8 +321,8 @@ class Metamodels:
     ) -> tuple[str, ...]:
         """Return the tests whose runs at a point would confirm soonest that it agrees, in order.
 
-        Each is the one that raises the probability most per second of computing. Assumes, as
-        `runs_needed`, that the search meets the targets and only the noise is left.
+        Each is the one that raises the probability most per second of computing, were the targets
+        met in the middle.
 
         Parameters
         ----------

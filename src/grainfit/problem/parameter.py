@@ -18,6 +18,8 @@ from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_co
 
 Scale = Literal["linear", "log"]
 _MEASUREMENT = ("measured", "uncertainty")
+#: Significant digits of values for people, and least number of different values in an interval.
+_DIGITS_SHOWN, _STEPS_SHOWN = 4, 500
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,14 @@ class Parameter:
         if self.scale == "log":
             return math.log(value / self.minimum) / math.log(self.maximum / self.minimum)
         return (value - self.minimum) / (self.maximum - self.minimum)
+
+    def rounded(self, value: float) -> float:
+        """Round a value to the digits that people read, or to more in a narrow interval."""
+        largest = max(abs(self.minimum), abs(self.maximum))
+        step = (self.maximum - self.minimum) / _STEPS_SHOWN
+        needed = math.floor(math.log10(largest)) + 1 - math.floor(math.log10(step))
+        shown = float(f"{value:.{max(_DIGITS_SHOWN, needed)}g}")
+        return min(max(shown, self.minimum), self.maximum)
 
     def from_unit(self, position: float) -> float:
         """Return the value at a position: exactly a bound at 0 and 1, extrapolated outside."""

@@ -252,6 +252,18 @@ class Problem:
             for p, position in zip(self.parameters, positions, strict=True)
         }
 
+    def rounded(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Round parameter values to the digits that people read, within the bounds.
+
+        Examples
+        --------
+        >>> from grainfit import Parameter, Problem, Target
+        >>> problem = Problem([Parameter("friction", 0.1, 0.9)], [Target("angle", 30.0)])
+        >>> problem.rounded({"friction": 0.43219876})
+        {'friction': 0.4322}
+        """
+        return {p.name: p.rounded(values[p.name]) for p in self.parameters}
+
     @property
     def middle(self) -> dict[str, float]:
         """Values in the middle of all intervals, each on its scale."""

@@ -39,7 +39,7 @@ class ResponseResult:
     predicted, standard_error : float
         Expected response by the metamodel, and its standard error.
     verified_mean, verified_standard_error : float, optional
-        Mean of the verification runs (fresh seeds at, or very near, the answer) and its standard
+        Mean of the verification runs (fresh seeds at the answer) and its standard
         error: an independent check of the expected response.
     verified_interval : float, optional
         Half of the 95 % confidence interval of that mean.
@@ -54,8 +54,7 @@ class ResponseResult:
         Probability, by all runs, that the expected response is within its tolerance. None in
         results of version 0.1.0.
     verified_values : tuple of float
-        Responses of the verification runs; those of runs very near the answer are carried over to
-        it by the metamodel.
+        Responses of the verification runs.
     verified_seeds : tuple of int
         Their seeds.
     """
@@ -113,7 +112,7 @@ class CurveResult:
     verdict : {"met", "in doubt", "missed"}
         As of a response; ``missed`` also when no simulated curve has the measured shape.
     verified_runs : int
-        Number of fresh seeds at, or very near, the answer.
+        Number of fresh seeds at the answer.
     verified_mean, verified_standard_errors : tuple of float
         Mean curve of at least two fresh seeds at the measured points, carried over to the answer,
         and its standard errors; empty for fewer.

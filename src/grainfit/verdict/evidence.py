@@ -31,6 +31,20 @@ class Verified:
 
 
 @dataclass(frozen=True)
+class Expected:
+    """Response that metamodels expect.
+
+    Parameters
+    ----------
+    mean, standard_error : float
+        The expectation and its standard error.
+    """
+
+    mean: float
+    standard_error: float
+
+
+@dataclass(frozen=True)
 class TargetEvidence:
     """Prediction at the answer for a target, or for a component of a curve.
 
@@ -50,6 +64,8 @@ class TargetEvidence:
         Standard deviation of an evaluation at the answer; None where it is not known.
     fresh : Verified, optional
         Mean of at least two fresh seeds; of a deterministic model, the response itself.
+    others : Expected, optional
+        What the runs without the fresh seeds lead to expect; None where they are too few.
     fresh_seeds : int
         Number of fresh seeds that gave the response.
     test : str
@@ -78,6 +94,7 @@ class TargetEvidence:
     probability: float
     noise: float | None
     fresh: Verified | None = None
+    others: Expected | None = None
     fresh_seeds: int = 0
     test: str = ""
     repeats: int = 1

@@ -14,8 +14,8 @@ ALL_MET = Message("Probability that every target is met, by all runs: {probabili
 
 # Reasons.
 CONTRADICTED = Message(
-    "{target} is in doubt: {runs} at the answer give {mean} on average, but all runs together "
-    "predict {expected}.",
+    "{target} is in doubt: {runs} at the answer give {mean} on average, but the other runs predict "
+    "{expected}.",
     "The metamodel is inaccurate there: allow more runs.",
 )
 MISSED_BY_RUN = Message(
@@ -68,6 +68,14 @@ TOO_MUCH_SCATTER = Message(
     "{confidence} is demanded. {runs}: {one} scatters by {scatter}.",
     "{wider}, a larger sample in the test, or another response with less scatter helps more.",
 )
+ON_THE_EDGE = Message(
+    "The best that can be had lies {where} the edge of the tolerance: expected is {responses}. "
+    "Every target is met with a probability of {probability}, and {confidence} is demanded; more "
+    "runs at the answer would hardly change that.",
+    "If the tolerance is stricter than the measurement is, widen it; else widen the intervals, or "
+    "free another parameter.",
+)
+AT_EDGE = Message("{target} {deviation} tolerances off (standard error {error})")
 FRESH_SEEDS_NOT_MADE = Message(
     "Undecided because only {made} of {wanted} runs with fresh seeds at the answer could be made.",
     "Allow more runs.",

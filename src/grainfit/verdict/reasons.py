@@ -335,6 +335,52 @@ class NoisyCurve:
 
 
 @dataclass(frozen=True)
+class AtEdge:
+    """A response that is expected at the edge of its tolerance, in tolerances."""
+
+    target: str
+    deviation: float
+    standard_error: float
+
+    def __str__(self) -> str:
+        return messages.AT_EDGE(
+            target=self.target,
+            deviation=number(self.deviation, 2),
+            error=number(self.standard_error, 1),
+        )
+
+
+@dataclass(frozen=True)
+class OnTheEdge(Reason):
+    """The best that can be had lies on the edge of the tolerance, or beyond it.
+
+    Parameters
+    ----------
+    probability, confidence : float
+        Probability that every target is met, and the demanded one.
+    responses : tuple of AtEdge
+        Responses in doubt.
+    is_beyond : bool
+        Whether one of them is expected clearly beyond its tolerance.
+    """
+
+    probability: float
+    confidence: float
+    responses: tuple[AtEdge, ...]
+    is_beyond: bool
+    kind = "on the edge"
+    gives_probability = True
+
+    def __str__(self) -> str:
+        return messages.ON_THE_EDGE(
+            probability=plain_probability(self.probability),
+            confidence=plain_probability(self.confidence),
+            where="beyond" if self.is_beyond else "on",
+            responses=", ".join(map(str, self.responses)),
+        )
+
+
+@dataclass(frozen=True)
 class TooMuchScatter(Reason):
     """The runs scatter too much to tell whether every target is met.
 

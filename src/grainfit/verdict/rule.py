@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from grainfit.verdict.evidence import CurveEvidence, Evidence, TargetEvidence, Verified
+from grainfit.verdict.evidence import CurveEvidence, Evidence, Expected, TargetEvidence, Verified
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.reasons import (
+    AtEdge,
     Contradicted,
     CurveContradicted,
     Deterministic,
@@ -17,6 +18,7 @@ from grainfit.verdict.reasons import (
     FreshSeedsMissing,
     NoisyResponse,
     NotTogether,
+    OnTheEdge,
     OtherShape,
     OutliersDecide,
     Reason,
@@ -107,40 +109,35 @@ def _verdict_on_curve(
 
 
 def is_contradicted(target: TargetEvidence) -> bool:
-    """Return whether the fresh seeds contradict what all runs together predict for a target."""
+    """Return whether the fresh seeds contradict what the other runs predict for a target."""
     if target.fresh is None or target.noise is None:
         return False
     if target.is_deterministic and not target.curve:
         # Its run is the response there, whatever the metamodel expects.
         return abs(target.fresh.mean - target.value) > target.tolerance
-    return contradicts(
-        target.fresh, target.expected, target.standard_error, target.noise, target.tolerance
-    )
+    if target.others is None:
+        return False
+    return contradicts(target.fresh, target.others, target.noise, target.tolerance)
 
 
-def contradicts(
-    fresh: Verified, expected: float, standard_error: float, noise: float, tolerance: float
-) -> bool:
-    """Return whether a mean of fresh seeds contradicts what all runs together predict.
-
-    The fresh seeds are a part of all runs, so the variance of the difference is that of their mean
-    less that of the expectation.
+def contradicts(fresh: Verified, others: Expected, noise: float, tolerance: float) -> bool:
+    """Return whether a mean of fresh seeds contradicts what the runs without them predict.
 
     Parameters
     ----------
     fresh : Verified
         Mean of the fresh seeds.
-    expected, standard_error : float
-        Expected response by all runs, those included, and its standard error.
+    others : Expected
+        Expected response by the runs without them.
     noise : float
         Standard deviation of an evaluation.
     tolerance : float
         Largest accepted deviation.
     """
-    of_mean = noise**2 / fresh.runs
-    difference = max(of_mean - standard_error**2, VERDICT.own_variance * of_mean)
-    by_chance = VERDICT.contradiction * math.sqrt(difference)
-    return abs(fresh.mean - expected) > max(by_chance, VERDICT.negligible * tolerance)
+    by_chance = VERDICT.contradiction * math.hypot(
+        noise / math.sqrt(fresh.runs), others.standard_error
+    )
+    return abs(fresh.mean - others.mean) > max(by_chance, VERDICT.negligible * tolerance)
 
 
 def _lacking(evidence: Evidence) -> dict[str, int]:
@@ -199,8 +196,9 @@ def _contradictions(evidence: Evidence, judgement: Judgement) -> Iterator[Reason
     for one in doubted:
         if one.fresh is not None and not one.curve:
             fresh = one.fresh
+            expected = one.others.mean if one.others else one.expected
             yield Contradicted(
-                one.name, one.unit, fresh.mean, fresh.half_width, fresh.runs, one.expected
+                one.name, one.unit, fresh.mean, fresh.half_width, fresh.runs, expected
             )
     for curve in evidence.curves:
         runs = [one.fresh.runs for one in doubted if one.fresh and one.curve == curve.name]
@@ -264,6 +262,8 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
         if doubtful and all(one.is_deterministic for one in doubtful):
             names = dict.fromkeys(one.curve or one.name for one in doubtful)
             yield DeterministicInDoubt(tuple(names), with_all, evidence.confidence)
+        elif at_edge := _on_the_edge(evidence, doubtful):
+            yield at_edge
         else:
             yield _too_much_scatter(evidence)
     elif sum(judgement.lacking.values()) and not judgement.contradicted:
@@ -272,6 +272,21 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
         if evidence.tests.keys() <= set(evidence.deterministic):
             wanted = min(wanted, 1)
         yield FreshSeedsMissing(made, wanted, failed, evidence.ended if failed else 0)
+
+
+def _on_the_edge(evidence: Evidence, doubtful: Sequence[TargetEvidence]) -> OnTheEdge | None:
+    """Return that responses are expected at the edge of their tolerance; None if none is."""
+    found = [
+        AtEdge(one.name, off, one.standard_error / one.tolerance)
+        for one in doubtful
+        if not one.curve
+        for off in [abs(one.expected - one.value) / one.tolerance]
+        if off >= VERDICT.edge
+    ]
+    if not found:
+        return None
+    is_beyond = max(one.deviation for one in found) > VERDICT.beyond_edge
+    return OnTheEdge(evidence.probability_all_met, evidence.confidence, tuple(found), is_beyond)
 
 
 def _too_much_scatter(evidence: Evidence) -> TooMuchScatter:

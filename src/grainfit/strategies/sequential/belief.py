@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 LIKELY = 0.5
 #: The closest point counts as no answer when it misses a target by as many standard errors.
 _SEEMS_MISSED = 1.65
+#: Largest distance, as a share of every interval, of runs that tell of the same place.
+_THERE = 0.05
 #: A target must be missed by this many standard errors, because it is checked after every run.
 STANDARD_ERRORS = 3.0
 
@@ -63,9 +65,9 @@ class Belief:
         self._seed = seed
         self._options = options
         self._confidence_to_stop = confidence_to_stop
-        runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
+        self._runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
         self._seeds = (seed, len(known))
-        self.answers = AnswerSearch(self.metamodels, self.feasibility, runs, self._seeds)
+        self.answers = AnswerSearch(self.metamodels, self.feasibility, self._runs, self._seeds)
 
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
@@ -140,6 +142,12 @@ class Belief:
     def runs_needed(self, confidence: float) -> int:
         """Estimated number of further runs at the answer that would decide it."""
         return self.metamodels.runs_needed(self.answers.closest[0], confidence)
+
+    @property
+    def runs_at_closest(self) -> int:
+        """Number of runs at the closest point, or so near that they tell of it."""
+        apart = np.abs(self._runs - self.answers.closest[0]).max(axis=1)
+        return int((apart <= _THERE).sum())
 
     @property
     def scatter(self) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
 from grainfit.strategies import messages
 from grainfit.strategies.sequential.belief import Belief
+from grainfit.verdict.options import VERDICT
 
 #: Smallest expected gain of the time step that justifies further runs.
 _GAIN_WORTH_RUNS = 0.05
@@ -87,5 +88,8 @@ class StoppingRule:
             return False
         if self.runs_left <= _RUNS_OF_HOPE * belief.problem.dimension and not belief.is_likely:
             return True
-        needed = belief.runs_needed(self.demanded)
-        return needed > self.runs_left and belief.narrowing(self.runs_left) < _NARROWING_WORTH_RUNS
+        runs_left = self.runs_left + VERDICT.most_verification
+        if belief.runs_needed(self.demanded) <= runs_left:
+            return False
+        is_known = belief.runs_at_closest >= VERDICT.enough_at_edge
+        return is_known or belief.narrowing(runs_left) < _NARROWING_WORTH_RUNS

@@ -15,8 +15,7 @@ from grainfit.problem import Target
 from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import ResponseResult, Result
-from grainfit.verdict.evidence import Verified
-from grainfit.verdict.rule import contradicts
+from grainfit.verdict.reasons import Contradicted
 
 #: Colour of the runs, as in the other figures.
 _SYMBOL, _COLOUR = STAGES["verification"]
@@ -36,12 +35,12 @@ class VerifiedRow:
 
 @dataclass(frozen=True)
 class _Check:
-    """A response at the answer by fresh seeds, and by all runs with their noise."""
+    """A response at the answer by fresh seeds, and whether they contradict the other runs."""
 
     target: Target
     response: ResponseResult
     values: Mapping[int, float]
-    noise: float | None
+    differs: bool
 
     @property
     def mean(self) -> tuple[float, float]:
@@ -50,19 +49,6 @@ class _Check:
         assert found.verified_mean is not None, "two values have a mean"
         assert found.verified_interval is not None, "and an interval"
         return found.verified_mean, found.verified_interval
-
-    @property
-    def differs(self) -> bool:
-        """Whether the fresh seeds contradict all runs, as the verdict has it."""
-        found = self.response
-        # Version 0.1.0 predicted without the fresh seeds.
-        if found.probability is None or self.noise is None:
-            return False
-        mean, half_width = self.mean
-        error = found.verified_standard_error or 0.0
-        verified = Verified(mean, error, half_width, len(self.values))
-        tolerance = self.target.tolerance
-        return contradicts(verified, found.predicted, found.standard_error, self.noise, tolerance)
 
 
 def verification(context: ReportContext) -> Section:
@@ -91,16 +77,12 @@ def verification(context: ReportContext) -> Section:
 
 
 def _checks(context: ReportContext, result: Result) -> list[_Check]:
+    doubted = {reason.target for reason in result.reasons if isinstance(reason, Contradicted)}
     return [
-        _Check(target, found, _fresh(context, target.name, found), _noise(result, target.name))
+        _Check(target, found, _fresh(context, target.name, found), target.name in doubted)
         for target in context.targets
         if (found := result.responses.get(target.name)) is not None
     ]
-
-
-def _noise(result: Result, name: str) -> float | None:
-    quality = result.metamodels.get(name)
-    return None if quality is None else quality.noise
 
 
 def _fresh(context: ReportContext, name: str, response: ResponseResult) -> Mapping[int, float]:
