@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from grainfit.metamodels.growing_scatter import GrowingScatter, find_growing_scatter
+from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import fit_without_outliers
 
 
@@ -61,3 +62,22 @@ def test_scatter_of_many_parameters_is_not_said_to_change_by_chance() -> None:
         values = points @ random.standard_normal(8) + random.standard_normal(40)
         found += fit_without_outliers(points, values, np.zeros(40))[0].scatter is not None
     assert found <= 3
+
+
+def test_half_of_the_intervals_without_scatter_is_found() -> None:
+    # A third of the runs at one place, as a search puts them there.
+    answer = np.array([0.3, 0.5])
+    ends = np.array([[0.9, 0.5], [0.1, 0.5]])
+    ratios = []
+    for seed in range(12):
+        random = np.random.default_rng(seed)
+        points = random.random((24, 2))
+        points[:8] = answer + 0.01 * random.standard_normal((8, 2))
+        scatter = (points[:, 0] > 0.5) * random.standard_normal(24)
+        values = 50 + 6 * points[:, 0] + 3 * points[:, 1] + 4 * (points[:, 1] - 0.5) ** 2 + scatter
+        model = Kriging.fit(points, values, scatter_may_vary=True)
+        if model.scatter is not None:
+            ratios.append(np.sqrt(np.divide(*model.scatter_at(ends))))
+    assert len(ratios) >= 10
+    # With one round of fits 8.
+    assert np.median(ratios) > 12

@@ -177,6 +177,15 @@ class HyperparameterPosterior:
         return self._best[1]
 
     @property
+    def most_probable(self) -> Hyperparameters:
+        """The set at the maximum."""
+        parts = self._covariance(self.maximum())
+        solved = self._factorised(parts)
+        if solved is None:
+            raise linalg.LinAlgError("the covariance of the contrasts has no Cholesky factor")
+        return self._estimated(parts, solved, 1.0)
+
+    @property
     def log_density(self) -> float:
         """Logarithm of the posterior density at its maximum, up to a constant of the runs."""
         return -self._best[0]

@@ -30,7 +30,7 @@ from grainfit.metamodels.checked_arrays import (
     checked_points,
     checked_values,
 )
-from grainfit.metamodels.growing_scatter import GrowingScatter
+from grainfit.metamodels.growing_scatter import GrowingScatter, find_growing_scatter
 from grainfit.metamodels.hyperparameters import RANGE_MEDIAN, HyperparameterPosterior
 from grainfit.metamodels.noise_ratios import most_probable, noise_ratios
 from grainfit.metamodels.prediction import NORMAL_QUANTILE, LeaveOneOut, Prediction
@@ -45,6 +45,8 @@ from grainfit.metamodels.predictor import (
 
 _MINIMUM_RUNS = 3
 _LARGEST_BLOCK = 4096
+#: Fits of a scatter that changes over the cube, each to the residuals of the one before.
+_ROUNDS = 2
 #: With a smaller Q2, a metamodel predicts a run hardly better than the mean of all runs does.
 POOR_Q2 = 0.5
 
@@ -124,7 +126,7 @@ class Kriging:
         *,
         standard_errors: ArrayLike | None = None,
         linear_trend: bool = True,
-        scatter: GrowingScatter | None = None,
+        scatter_may_vary: bool = False,
     ) -> Kriging:
         """Fit a metamodel to runs.
 
@@ -143,8 +145,8 @@ class Kriging:
             between runs, and only if the runs support them. Equal ones change nothing.
         linear_trend : bool
             Whether the trend is linear; if not, or with too few runs, it is constant.
-        scatter : GrowingScatter, optional
-            Change of the scatter over the cube, taken into account if the runs support it.
+        scatter_may_vary : bool
+            Whether the scatter may change over the cube, which it does if the runs support it.
 
         Raises
         ------
@@ -160,26 +162,23 @@ class Kriging:
             raise InputError(fault)
         known_noise = checked_noise(noise_variance, n)
         candidates = noise_ratios(checked_noise(standard_errors, n, "standard_errors"))
-        if scatter is not None:
-            candidates.append(scatter.ratios(points))
         trend = Trend.choose(points, linear_trend)
         contrasts = Contrasts.of(trend.matrix(points))
         standardised = _Standardised.of(values, contrasts)
         known_noise = known_noise / standardised.scale**2
         if standardised.are_exact:
             median = np.full(d, RANGE_MEDIAN * math.sqrt(d))
-            sets, ratios = [Hyperparameters(median, 0.5, 0.5, 1.0)], None
+            sets, ratios, scatter = [Hyperparameters(median, 0.5, 0.5, 1.0)], None, None
         else:
-            data = (points, standardised.values, contrasts, known_noise)
-            slopes = 0 if scatter is None else d
-            sets, ratios = _most_probable_sets(candidates, slopes, data)
+            data = _Data(trend, points, standardised.values, known_noise, contrasts)
+            sets, ratios, scatter = _most_probable_sets(candidates, data, scatter_may_vary)
         given = (trend, points, standardised.values, known_noise, contrasts, ratios)
         return cls(
             [Component(one, *given) for one in sets],
             offset=standardised.offset,
             scale=standardised.scale,
             degrees_of_freedom=contrasts.degrees_of_freedom,
-            scatter=scatter if ratios is candidates[-1] else None,
+            scatter=scatter,
         )
 
     @property
@@ -642,14 +641,54 @@ class Kriging:
         )
 
 
+class _Data(NamedTuple):
+    """Runs that hyperparameters are fitted to, with their trend; values are standardised."""
+
+    trend: Trend
+    points: FloatArray
+    values: FloatArray
+    known_noise: FloatArray
+    contrasts: Contrasts
+
+    def posterior(self, ratios: FloatArray | None) -> HyperparameterPosterior:
+        """Return the posterior of the hyperparameters with ratios of the noise variances."""
+        return HyperparameterPosterior(
+            self.points, self.values, self.contrasts, self.known_noise, ratios
+        )
+
+
 def _most_probable_sets(
-    candidates: Sequence[FloatArray | None],
-    slopes: int,
-    data: tuple[FloatArray, FloatArray, Contrasts, FloatArray],
-) -> tuple[list[Hyperparameters], FloatArray | None]:
+    candidates: Sequence[FloatArray | None], data: _Data, scatter_may_vary: bool
+) -> tuple[list[Hyperparameters], FloatArray | None, GrowingScatter | None]:
     """Sets of hyperparameters, with the ratios of noise variances that the runs support most."""
     # The matrices are small: more threads only wait for each other and for the DEM runs.
     with threadpool_limits(limits=1, user_api="blas"):
-        fits = [HyperparameterPosterior(*data, ratios) for ratios in candidates]
-        best = most_probable([fit.log_density for fit in fits], slopes)
-        return fits[best].hyperparameters(), candidates[best]
+        fits = [(data.posterior(ratios), ratios, None) for ratios in candidates]
+        varying = _varying(data, fits[0][0]) if scatter_may_vary else None
+        every = [*fits, *([varying] if varying else [])]
+        slopes = data.points.shape[1] if varying else 0
+        best, ratios, scatter = every[most_probable([fit.log_density for fit, *_ in every], slopes)]
+        return best.hyperparameters(), ratios, scatter
+
+
+def _varying(
+    data: _Data, posterior: HyperparameterPosterior
+) -> tuple[HyperparameterPosterior, FloatArray, GrowingScatter] | None:
+    """Fit a scatter that changes over the cube; None when there is no sign of one.
+
+    A second round finds more: with the same scatter everywhere, the predictions of calm runs follow
+    their wild neighbours.
+    """
+    varying, ratios = None, None
+    for _ in range(_ROUNDS):
+        component = Component(posterior.most_probable, *data, ratios)
+        expected, variances = component.leave_one_out()
+        # In units of the scatter where the variance ratio is one.
+        variances = variances if ratios is None else variances / ratios
+        scatter = find_growing_scatter(data.points, (data.values - expected) / np.sqrt(variances))
+        if scatter is None:
+            break
+        ratios = scatter.ratios(data.points)
+        posterior = data.posterior(ratios)
+        varying = posterior, ratios, scatter
+    return varying

@@ -21,8 +21,6 @@ from grainfit.metamodels.predictor import FloatArray
 _SHARES = (0.5, 0.95)
 #: Smallest gain of the log density of the runs at which stated errors are used.
 _EVIDENCE = 1.0
-#: The same for ratios that are fitted to the runs themselves, at least.
-EVIDENCE_OF_FITTED = 3.0
 #: Chance that slopes fitted to the runs themselves gain more where there are none. A few percent of
 #: the trials with scatter that is the same everywhere are tested and then found to change.
 _GAIN_BY_CHANCE = 0.05
@@ -66,6 +64,5 @@ def most_probable(log_densities: Sequence[float], fitted_slopes: int = 0) -> int
     """
     handicap = np.array([0.0, *[_EVIDENCE] * (len(log_densities) - 1)])
     if fitted_slopes:
-        usual = float(chdtri(fitted_slopes, _GAIN_BY_CHANCE)) / 2.0
-        handicap[-1] = max(EVIDENCE_OF_FITTED, usual)
+        handicap[-1] = float(chdtri(fitted_slopes, _GAIN_BY_CHANCE)) / 2.0
     return int(np.argmax(np.array(log_densities) - handicap))

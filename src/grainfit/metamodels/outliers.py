@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.special import stdtrit
 
-from grainfit.metamodels.growing_scatter import find_growing_scatter
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.prediction import NORMAL_QUANTILE
 from grainfit.metamodels.predictor import FloatArray
@@ -120,9 +119,7 @@ def fit_without_outliers(
 
 def _fit(points: FloatArray, values: FloatArray, standard_errors: FloatArray) -> Kriging:
     """Fit a metamodel, with a scatter that changes over the cube where the runs show it."""
-    model = Kriging.fit(points, values, standard_errors=standard_errors)
-    scatter = find_growing_scatter(points, model.standardised_residuals())
-    return model if scatter is None else Kriging.fit(points, values, scatter=scatter)
+    return Kriging.fit(points, values, standard_errors=standard_errors, scatter_may_vary=True)
 
 
 def _most_outliers(runs: int, dimension: int) -> int:
