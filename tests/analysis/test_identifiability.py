@@ -22,8 +22,7 @@ def judged(parameters: list[Parameter], *columns: np.ndarray, target: str = "y")
     problem = Problem(parameters, [Target(target, 1.0)])
     points = np.column_stack(columns)
     values = np.array([list(problem.from_unit(point).values()) for point in points])
-    names = tuple(parameter.name for parameter in parameters)
-    posterior = Posterior(names, points, values, np.ones((COUNT, 1)), True, "", 1000.0)
+    posterior = Posterior(tuple(parameters), points, values, np.ones((COUNT, 1)), True, "", 1000.0)
     return assess_identifiability(posterior, problem)
 
 
@@ -202,3 +201,15 @@ def test_two_peaks_are_two_ranges(random: np.random.Generator) -> None:
     assert verdict == (
         "particle.density is not determined: 2000 to 2050 or 2950 to 3000 kg/m³ fits."
     )
+
+
+@pytest.mark.parametrize(("middle", "bound"), [(0.02, "min"), (0.5, ""), (0.98, "max")])
+def test_a_parameter_whose_interval_reaches_a_bound_is_said_to(
+    random: np.random.Generator, middle: float, bound: str
+) -> None:
+    points = random.normal(middle, 0.05, 3 * COUNT)
+    inside = points[(points >= 0.0) & (points <= 1.0)][:COUNT]
+    (verdict,) = judged([DENSITY], inside).verdicts
+    assert (f", up to its bound {bound}" in verdict) == bool(bound)
+    value = DENSITY.from_unit(0.0 if bound == "min" else 1.0)
+    assert (f"{value:g}" in verdict) == bool(bound)

@@ -16,7 +16,7 @@ from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import ends, number, unit_for_people, with_unit
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
-from grainfit.which_test.determination import DETERMINED, narrowing
+from grainfit.which_test.determination import DETERMINED, bound_reached, narrowing
 from grainfit.which_test.determining_tests import determining_tests, separating_tests
 from grainfit.which_test.slopes import nearest_to_median
 
@@ -251,7 +251,9 @@ def _verdict(
         return f"{name} is known from its own measurement: {between} with 95 % probability."
     if found.determination == "not determined":
         return f"{name} is not determined: {_what_fits(posterior, parameter)} fits."
-    but = f", but biased: {found.bias}" if found.bias else ""
+    bound = bound_reached(parameter, found)
+    but = f", up to its bound {bound}" if bound else ""
+    but += f", but biased: {found.bias}" if found.bias else ""
     if found.determination == "narrowed":
         return f"{name} is only narrowed: {between} with 95 % probability{but}."
     value = posterior.median(name) if answer is None else answer

@@ -20,11 +20,10 @@ def parameter_intervals(
 ) -> dict[str, ParameterInterval]:
     """Return the 95 % interval of each parameter, which holds the answer.
 
-    It is the equal-tailed credible interval, extended to the answer where that lies outside. That
-    happens although the answer agrees with the measurements: on a ridge, the largest time step is
-    at an end, and an answer on a bound of its interval is always in a tail. An extended interval
-    leaves out only the other tail, so it holds the true value with a probability of 95 to 97.5 %,
-    and no value of the equal-tailed interval is lost.
+    It is the credible interval of the posterior, which contains a bound that it can hardly exclude
+    (see `extended_to_bounds`), extended to the answer where that lies outside: on a ridge, the
+    answer with the largest time step is at an end. So it holds the true value with a probability
+    of 95 to 97.5 %, and a parameter that is not determined has its whole interval.
 
     Parameters
     ----------
@@ -33,7 +32,7 @@ def parameter_intervals(
     problem : Problem
         Has the intervals before the tests.
     answer : mapping of str to float, optional
-        The calibrated values; without them, the intervals are equal-tailed.
+        The calibrated values; without them, the intervals hold none.
     biases : mapping of str to str, optional
         Reasons why parameters are biased, by name.
 

@@ -15,9 +15,10 @@ from grainfit.analysis import messages
 from grainfit.analysis.ensemble import sample_cube
 from grainfit.errors import InputError
 from grainfit.extras import import_extra
+from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.likelihood import log_density
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import Problem
+from grainfit.problem import Parameter, Problem
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ class Posterior:
 
     Attributes
     ----------
-    names : tuple of str
+    parameters : tuple of Parameter
         Free parameters.
     points : ndarray, shape (n, d)
         In the unit cube.
@@ -46,7 +47,7 @@ class Posterior:
         All steps of the walkers of emcee from which the sample is taken, SI.
     """
 
-    names: tuple[str, ...]
+    parameters: tuple[Parameter, ...]
     points: Array
     values: Array
     responses: Array
@@ -55,8 +56,15 @@ class Posterior:
     effective_samples: float
     chains: Array = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(parameter.name for parameter in self.parameters)
+
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Equal-tailed credible interval of a parameter, SI.
+        """Credible interval of a parameter, SI: equal-tailed, and up to bounds that are near.
+
+        An end that is nearer to its bound than a tenth of the interval lies on the bound.
 
         Parameters
         ----------
@@ -73,12 +81,15 @@ class Posterior:
         if not 0.0 < level < 1.0:
             raise InputError(messages.BAD_LEVEL.fault("level", given=level))
         tail = (1.0 - level) / 2.0
-        low, high = np.quantile(self._of(name), [tail, 1.0 - tail])
-        return float(low), float(high)
+        axis = self._axis(name)
+        ends = np.quantile(self.points[:, axis], [tail, 1.0 - tail])
+        low, high = (float(end) for end in extended_to_bounds(*ends))
+        parameter = self.parameters[axis]
+        return parameter.from_unit(low), parameter.from_unit(high)
 
     def median(self, name: str) -> float:
         """Median of a parameter, SI."""
-        return float(np.median(self._of(name)))
+        return float(np.median(self.values[:, self._axis(name)]))
 
     @cached_property
     def correlations(self) -> Array:
@@ -126,11 +137,11 @@ class Posterior:
         data.posterior.attrs["inference_library"] = "emcee"
         return data
 
-    def _of(self, name: str) -> Array:
+    def _axis(self, name: str) -> int:
         if name not in self.names:
             known = ", ".join(self.names)
             raise InputError(messages.NO_PARAMETER.fault("name", given=name, known=known))
-        return np.asarray(self.values[:, self.names.index(name)])
+        return self.names.index(name)
 
 
 def sample_posterior(
@@ -174,10 +185,9 @@ def sample_posterior(
             max_steps=max_steps,
         )
         responses, _ = metamodels.predict(sample.points)
-    names = tuple(parameter.name for parameter in problem.parameters)
     values = [list(problem.from_unit(point).values()) for point in sample.points]
     return Posterior(
-        names=names,
+        parameters=tuple(problem.parameters),
         points=sample.points,
         values=np.array(values),
         responses=responses,

@@ -14,7 +14,6 @@ from grainfit.calibration import messages
 from grainfit.calibration.judged_answer import JudgedAnswer
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import value_with_unit
 from grainfit.metamodels.blow_ups import about_blow_ups
 from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
 from grainfit.problem import Problem, Target
@@ -25,7 +24,6 @@ from grainfit.result import (
     RunCounts,
     RunSummary,
 )
-from grainfit.strategies.answer import Answer, bound_at
 from grainfit.strategies.base import Search
 from grainfit.verdict.rule import Status
 
@@ -76,7 +74,6 @@ def make_result(
     notices += about_blow_ups(search.problem, evaluations)
     if outcome:
         notices += _failure_notices(outcome.fresh.evaluations)
-        notices += _edge_notices(problem, outcome.answer)
     return Result(
         status=ending.status,
         parameters=parameters,
@@ -209,18 +206,6 @@ def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:
     if reasons:
         ended = sum(len(e.runs) for e in verification)
         yield messages.VERIFICATION_FAILED(failed=len(reasons), ended=ended, why=reasons[-1])
-
-
-def _edge_notices(problem: Problem, answer: Answer) -> Iterator[str]:
-    """Report parameters whose answer, or region of agreement, reaches a bound."""
-    for parameter in problem.parameters:
-        on = bound_at(parameter.to_unit(answer.parameters[parameter.name]))
-        bound = on or answer.cut_off.get(parameter.name)
-        if bound is not None:
-            value = parameter.minimum if bound == "min" else parameter.maximum
-            message = messages.ON_BOUND if on else messages.AGREES_UP_TO_BOUND
-            shown = value_with_unit(value, parameter.unit)
-            yield message(parameter=parameter.name, bound=bound, value=shown)
 
 
 def _summary(evaluation: Evaluation) -> RunSummary:

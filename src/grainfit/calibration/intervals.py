@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from grainfit.calibration import messages
 from grainfit.errors import GrainfitError
 from grainfit.evaluation import Evaluation
+from grainfit.formatting import value_with_unit
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
+from grainfit.strategies.answer import bound_at
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.which_test.available import material_of
+from grainfit.which_test.determination import bound_reached
 
 
 def with_intervals(
@@ -40,8 +43,20 @@ def with_intervals(
     Result
         Without intervals if there is no answer, or if no parameter set agrees.
     """
-    if not result.parameters or result.status == "unreachable":
+    if not result.parameters:
         return result
+    widened = problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations])
+    if result.status != "unreachable":
+        result = _with_intervals(result, widened, [*evaluations, *warm_start], solvers)
+    return _with_notices(result, _about_bounds(result, widened))
+
+
+def _with_intervals(
+    result: Result,
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    solvers: Mapping[str, Solver],
+) -> Result:
     # Imported here: emcee is needed only now.
     from grainfit.analysis.analysis import analyse_parameters
     from grainfit.analysis.soft_particles import known_biases
@@ -49,8 +64,8 @@ def with_intervals(
     tests = {name: s.bulk_test for name, s in solvers.items() if s.bulk_test is not None}
     try:
         found = analyse_parameters(
-            problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations]),
-            distinct_runs([*evaluations, *warm_start]),
+            problem,
+            distinct_runs(evaluations),
             seed=result.seed,
             answer=result.parameters,
             biases=known_biases(
@@ -59,14 +74,25 @@ def with_intervals(
         )
     except KeyboardInterrupt:
         # The user is in a hurry; the result must not be lost.
-        return _without(result, "interrupted")
+        return _with_notices(result, [messages.NO_INTERVALS(why="interrupted")])
     except (GrainfitError, ArithmeticError, ValueError) as error:
-        return _without(result, str(error))
+        return _with_notices(result, [messages.NO_INTERVALS(why=error)])
     rough = found.posterior is not None and not found.posterior.converged
-    notices = (*result.other_notices, *(found.notes if rough else ()))
-    return replace(result, intervals=found.intervals, other_notices=notices)
+    return _with_notices(replace(result, intervals=found.intervals), found.notes if rough else ())
 
 
-def _without(result: Result, why: str) -> Result:
-    notice = messages.NO_INTERVALS(why=why)
-    return replace(result, other_notices=(*result.other_notices, notice))
+def _with_notices(result: Result, notices: Iterable[str]) -> Result:
+    return replace(result, other_notices=(*result.other_notices, *notices))
+
+
+def _about_bounds(result: Result, problem: Problem) -> Iterator[str]:
+    """Report parameters whose answer lies on a bound, or whose interval reaches one."""
+    for parameter in problem.parameters:
+        found = result.intervals.get(parameter.name)
+        on = bound_at(parameter.to_unit(result.parameters[parameter.name]))
+        bound = on or (None if found is None else bound_reached(parameter, found))
+        if bound is not None:
+            value = parameter.minimum if bound == "min" else parameter.maximum
+            message = messages.ON_BOUND if on else messages.AGREES_UP_TO_BOUND
+            shown = value_with_unit(value, parameter.unit)
+            yield message(parameter=parameter.name, bound=bound, value=shown)

@@ -6,6 +6,7 @@ from grainfit.materials.card import Determination
 from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
 from grainfit.student import NORMAL_QUANTILE
+from grainfit.verdict.out_of_reach import Bound
 
 #: Width of a 95 % interval over that before the tests: up to the first determined, from the second
 #: on not determined.
@@ -34,6 +35,14 @@ def interval_of(parameter: Parameter, low: float, high: float, bias: str = "") -
     if bias and word == "determined":
         word = "determined, but biased"
     return ParameterInterval(low, high, word, bias)
+
+
+def bound_reached(parameter: Parameter, found: ParameterInterval) -> Bound | None:
+    """Return the only bound that an interval contains; None for both, which is all of it."""
+    at_min, at_max = found.low <= parameter.minimum, found.high >= parameter.maximum
+    if at_min == at_max:
+        return None
+    return "min" if at_min else "max"
 
 
 def narrowing(parameter: Parameter, low: float, high: float) -> float:
