@@ -36,7 +36,7 @@ PROBLEM = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [ANGLE])
 FRESH = FreshRuns(
     {"angle": {1: 29.9, 2: 30.0, 3: 30.2}}, (), expected={"angle": Expected(30.0, 0.3)}
 )
-OUTLIERS = Outliers((3,), np.array([-6.0]), 20, (4711,))
+OUTLIERS = Outliers((3,), (-6.0,), tuple((x / 20,) for x in range(20)), (4711,))
 RESULT = gf.Result(
     "undecided", {}, {}, RunCounts(), None, None, None, 1.0, 0.9, 0.3, "", "", "sequential", 1, "0"
 )
@@ -113,17 +113,22 @@ def test_a_target_out_of_reach_is_unreachable_whatever_the_probability() -> None
     assert judged(0.0, out_of_reach=(miss,)).status == "unreachable"
 
 
-@pytest.mark.parametrize(("with_all", "without"), [(0.99, 0.3), (0.3, 0.99), (0.01, 0.97)])
-def test_outlying_runs_that_decide_leave_it_undecided(with_all: float, without: float) -> None:
-    found = judged(with_all, without=without, outliers={"angle": OUTLIERS})
-    assert found.status == "undecided"
-    assert found.reasons == (
-        OutliersDecide(with_all, without),
-        OutlyingRuns("angle", "deg", 20, (4711,), -6.0),
+@pytest.mark.parametrize(
+    ("with_all", "status"), [(0.99, "calibrated"), (0.3, "undecided"), (0.01, "out_of_tolerance")]
+)
+def test_outlying_runs_count_and_are_named(with_all: float, status: str) -> None:
+    found = judged(with_all, without=0.98, outliers={"angle": OUTLIERS})
+    assert found.status == status
+    assert str(found.reasons[-1]).startswith(
+        "angle: 1 outlying run of 20 (seed 4711), up to 6° below the prediction by the others."
     )
-    decide, outlying = map(str, found.reasons)
-    assert "1 outlying run of 20 (seed 4711), up to 6° below" in outlying
-    assert 'statistic = "median"' in decide
+    decide = [one for one in found.reasons if isinstance(one, OutliersDecide)]
+    assert decide == ([OutliersDecide(0.3, 0.98)] if status == "undecided" else [])
+
+
+def test_outlying_runs_that_were_run_again_say_what_came() -> None:
+    again = OutlyingRuns("angle", "deg", 20, (4711, 4712), -6.0, repeated=2, came_again=0)
+    assert "of 2 that were run again with another seed, none came out like that again" in str(again)
 
 
 def test_noise_is_named_with_the_runs_it_would_take() -> None:

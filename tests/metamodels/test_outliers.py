@@ -53,13 +53,55 @@ def test_runs_that_agree_at_one_place_are_no_outliers() -> None:
     assert found_in(points, values) == ()
 
 
-def test_the_shift_is_the_mean_over_all_runs() -> None:
-    found = Outliers((2, 7), np.array([-6.0, -10.0]), 20)
-    assert found.shift == pytest.approx(-0.8)
-    # The mean of 18 zeros and the two, with Student's t for 19 degrees of freedom.
-    values = np.array([-6.0, -10.0] + [0.0] * 18)
-    error = values.std(ddof=1) / np.sqrt(20)
-    assert np.sqrt(found.variance_of_shift) == pytest.approx(error * 2.093 / 1.96, rel=1e-3)
+def test_a_share_that_is_the_same_everywhere_shifts_by_the_mean_over_all_runs() -> None:
+    points = np.random.default_rng(2).random((200, 2))
+    jams = tuple(range(0, 200, 5))
+    found = Outliers(jams, (-10.0,) * 40, tuple(map(tuple, points.tolist())))
+    shift, variance = found.shift_at(np.array([[0.3, 0.6], [0.8, 0.2]]))
+    # A fifth of the runs. The error is at least that of a counted share: that it is the same
+    # everywhere is not known.
+    assert shift == pytest.approx([-2.0, -2.0], abs=0.4)
+    least = 10 * np.sqrt(0.2 * 0.8 / 200)
+    assert (np.sqrt(variance) > least).all()
+    assert (np.sqrt(variance) < 3 * least).all()
+
+
+def test_jams_of_one_region_shift_nothing_elsewhere() -> None:
+    points = np.random.default_rng(3).random((40, 2))
+    in_corner = np.flatnonzero(points.min(axis=1) > 0.6)
+    found = Outliers(
+        tuple(in_corner.tolist()), (-10.0,) * len(in_corner), tuple(map(tuple, points.tolist()))
+    )
+    (there, elsewhere), (_, variance) = found.shift_at(np.array([[0.8, 0.8], [0.2, 0.3]]))
+    assert there < -6
+    assert abs(elsewhere) < 0.6
+    assert np.sqrt(variance) < 1.0
+
+
+def test_runs_at_a_point_shrink_what_is_unknown_of_jams_there() -> None:
+    points = np.random.default_rng(5).random((20, 1))
+    found = Outliers((3,), (-8.0,), tuple(map(tuple, points.tolist())))
+    one, many = found.shrinking_at(np.array([0.5]), np.array([1.0, 100.0]))
+    assert 0.5 < one < 1
+    assert many < 0.2
+
+
+def test_a_jam_does_not_come_again_and_a_regime_does() -> None:
+    random = np.random.default_rng(8)
+    points = np.vstack([0.7 * random.random((22, 1)), [[0.9], [0.9]]])
+    points[0] = 0.2
+    values = 50 + 6 * points[:, 0] + 0.1 * random.standard_normal(24)
+    jammed = values.copy()
+    jammed[23] -= 9.0
+    found = fit_without_outliers(points, jammed, np.zeros(24))[1]
+    assert found.indices == (23,)
+    assert (found.repeated, found.came_again, found.alone.any()) == (1, 0, False)
+    # Both runs there: so it is the response of that place, and a jam elsewhere stays one.
+    jammed[22] -= 9.0
+    jammed[0] -= 9.0
+    model, found = fit_without_outliers(points, jammed, np.zeros(24))
+    assert found.indices == (0,)
+    assert model.predict([[0.9]]).mean[0] == pytest.approx(values[23] - 9.0, abs=1.0)
 
 
 def jamming(statistic: str) -> Metamodels:
@@ -80,10 +122,8 @@ def test_an_expected_response_has_the_jams_of_the_laboratory_in_it() -> None:
     mean, median = jamming("mean"), jamming("median")
     assert mean.outliers[0].seeds == (4, 9, 15)
     at = [[0.5, 0.5]]
-    assert mean.predict(at)[0] == pytest.approx(median.predict(at)[0] - 1.0, abs=0.2)
+    assert mean.predict(at)[0] == pytest.approx(median.predict(at)[0] - 1.0, abs=0.4)
     assert mean.predict(at)[1] > median.predict(at)[1]
-    assert mean.outliers_decide
-    assert not median.outliers_decide
 
 
 def test_without_outliers_the_probability_is_that_of_the_median() -> None:

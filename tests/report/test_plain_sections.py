@@ -30,7 +30,7 @@ from grainfit.evaluation import Evaluation, Proposal, Response, Stage
 from grainfit.formatting import number, rounded
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.drawing import simplified
-from grainfit.metamodels.outliers import Outliers
+from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers
 from grainfit.report import page as report_page
 from grainfit.report import verdict_messages as messages
 from grainfit.report.section import ReportContext, Section
@@ -697,7 +697,7 @@ def test_every_run_is_in_the_table_with_its_reason_and_log() -> None:
 
 
 def test_outlying_runs_are_marked_in_the_table() -> None:
-    outliers = [Outliers((), np.empty(0), 7), Outliers((4,), np.array([9.0]), 7, (11,))]
+    outliers = [NO_OUTLIERS, Outliers((4,), (9.0,), ((0.5,),) * 7, (11,))]
     metamodels: Any = SimpleNamespace(problem=PROBLEM, outliers=outliers)
     html = str(runs(context(analysis=Analysis(metamodels=metamodels))).html)
     assert html.count(">outlying</abbr>") == 1

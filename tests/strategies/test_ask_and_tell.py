@@ -84,10 +84,14 @@ def test_what_is_told_by_hand_and_by_a_campaign_gives_the_same_calibration() -> 
         search.tell(proposal, simulated[proposal.seed].responses)
     made = [run for run in result.history if run.stage != "verification"]
     assert [(p.seed, p.parameters) for p in asked] == [(r.seed, r.parameters) for r in made]
+    frozen = problem.rounded(search.answer().parameters)
+    assert frozen == result.parameters
     for run in result.history[len(made) :]:
         proposal = gf.Proposal(run.parameters, run.seed, "verification")
         search.tell(proposal, simulated[run.seed].responses)
-    assert search.answer().parameters == result.parameters
+    assert search.answer(frozen).predicted == pytest.approx(
+        {name: found.predicted for name, found in result.responses.items()}
+    )
 
 
 def test_an_evaluation_of_another_proposal_is_refused() -> None:

@@ -346,6 +346,31 @@ def test_what_the_machine_has_spoilt_is_tried_again_with_another_seed() -> None:
         assert {e.proposal.stage for e in tries} == {"design"}
 
 
+@pytest.mark.parametrize("comes_again", [False, True])
+def test_a_run_that_does_not_belong_to_the_others_is_run_again(comes_again: bool) -> None:
+    jammed: list[Proposal] = []
+
+    def simulate(proposal: Proposal) -> Evaluation:
+        found = nearly_quiet(proposal)
+        if len(asked) == 8:
+            jammed.append(proposal)
+        asked.append(proposal)
+        at_once = [one for one in jammed if one.parameters == proposal.parameters]
+        if not at_once or (at_once[0] != proposal and not comes_again):
+            return found
+        low = {n: replace(r, value=0.5 * r.value) for n, r in found.responses.items()}
+        return replace(found, responses=low)
+
+    asked: list[Proposal] = []
+    search = Sequential(design_runs=12).start(heap_problem(), 1)
+    converse(search, simulate)
+    again = [one for one in asked if one.parameters == jammed[0].parameters]
+    assert [one.stage for one in again] == ["design", "optimisation"]
+    assert len({one.seed for one in again}) == 2
+    # One jam, or a place where the response is another: the answer is not there.
+    assert search.answer().probability_all_met > 0.5
+
+
 def test_what_the_machine_spoils_again_and_again_is_given_up_after_three_tries() -> None:
     search = Sequential().start(heap_problem(), 1)
     evaluations = converse(

@@ -24,8 +24,12 @@ from grainfit.result import (
     RunCounts,
     RunSummary,
 )
+from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
 from grainfit.verdict.rule import Status
+
+#: Confidence of the largest share of jams.
+_CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
@@ -180,9 +184,17 @@ def _response(target: Target, outcome: JudgedAnswer) -> ResponseResult:
         verified_interval=verified.half_width if verified else None,
         verified_values=tuple(outcome.fresh.values[name].values()),
         verified_seeds=tuple(outcome.fresh.values[name]),
+        jams_not_excluded=_jams_not_excluded(answer, name),
         deviation_percent=None if share is None else 100 * share,
         verdict=outcome.judgement.responses[name],
     )
+
+
+def _jams_not_excluded(answer: Answer, name: str) -> float | None:
+    runs = answer.runs.get(name, 0)
+    if not runs or name in answer.outliers:
+        return None
+    return float(1 - (1 - _CONFIDENCE) ** (1 / runs))
 
 
 def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:

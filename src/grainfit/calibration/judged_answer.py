@@ -246,8 +246,16 @@ def _repeats(problem: Problem, target: Target, repeats: Mapping[str, int]) -> in
 
 
 def _outlying(target: Target, found: Outliers) -> OutlyingRuns:
-    largest = max(found.residuals.tolist(), key=abs)
-    return OutlyingRuns(target.name, target.unit, found.runs, tuple(found.seeds), largest)
+    largest = max(found.residuals, key=abs)
+    return OutlyingRuns(
+        target.name,
+        target.unit,
+        found.runs,
+        tuple(found.seeds),
+        largest,
+        found.repeated,
+        found.came_again,
+    )
 
 
 def _of_curve(basis: CurveBasis, answer: Answer, verified: Mapping[str, Verified]) -> CurveEvidence:

@@ -298,7 +298,7 @@ class CalibrationLoop:
             not outcome.fresh.no_record
             and not answer.out_of_reach
             and (left is None or left > 0)
-            and min(answer.probability_all_met, answer.probability_without_outliers) >= least
+            and answer.probability_all_met >= least
             and answer.runs_needed <= self._affordable
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,14 +19,14 @@ from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import Reduction, about_short_curves, runs_with_curve
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
-from grainfit.problem import Problem, TestScope
+from grainfit.problem import Problem, Target, TestScope
 from grainfit.problem.correlations import correlated_groups
 
 Array = NDArray[np.float64]
 
 _NO_NOISE = 1e-12
-#: A single outlying run may be the only one for long.
-_FEWEST_THAT_DECIDE = 2
+#: Change of an expected response by outlying runs, in tolerances, that is worth a run.
+_MATTERS = 0.1
 #: Largest effort of `Metamodels.reduced`: squared numbers of runs, times sets of hyperparameters,
 #: summed over the responses.
 _LARGEST_EFFORT = 400_000
@@ -69,12 +70,11 @@ class Metamodels:
         self.reduction = reduction or Reduction(problem)
         self.models = list(models)
         self.outliers = list(outliers or [NO_OUTLIERS] * len(self.models))
-        counted = [
+        self._counted = [
             NO_OUTLIERS if target.statistic == "median" else found
             for found, target in zip(self.outliers, problem.targets, strict=True)
         ]
-        self._shifts = np.array([found.shift for found in counted])
-        self._shift_variances = np.array([found.variance_of_shift for found in counted])
+        self._axes = [problem.axes_of(problem.scope_of(t.name)) for t in problem.targets]
         self._targets = np.array([target.value for target in problem.targets])
         self._tolerances = np.array([target.tolerance for target in problem.targets])
         weights = np.array([target.weight for target in problem.targets])
@@ -116,16 +116,6 @@ class Metamodels:
         models = [model.reduced(components) for model in self.models]
         return Metamodels(self.problem, models, self.outliers, self.reduction)
 
-    @property
-    def outliers_decide(self) -> bool:
-        """Whether some target cannot be met both with its outlying runs and without them."""
-        return any(
-            target.statistic == "mean"
-            and len(found.indices) >= _FEWEST_THAT_DECIDE
-            and abs(found.shift) > target.tolerance
-            for found, target in zip(self.outliers, self.problem.targets, strict=True)
-        )
-
     def predict(self, points: ArrayLike) -> tuple[Array, Array]:
         """Expected responses and their variances at points of the unit cube.
 
@@ -140,7 +130,34 @@ class Metamodels:
             The variance is that of the expected response, not of a single run.
         """
         means, variances = self.predict_without_outliers(points)
-        return means + self._shifts, variances + self._shift_variances
+        shifts, of_shifts = self._shifts(np.atleast_2d(points))
+        return means + shifts, variances + of_shifts
+
+    def suspects(self, point: Array) -> list[tuple[Target, int]]:
+        """Targets with the seeds of outlying runs that change what is expected at a point.
+
+        Only those that no other run has the parameters of: it would tell if they come again.
+        """
+        shifts, variances = (found[0] for found in self._shifts(np.atleast_2d(point)))
+        matter = np.hypot(shifts, np.sqrt(variances)) > _MATTERS * self._tolerances
+        return [
+            (target, seed)
+            for target, found, counts in zip(
+                self.problem.targets, self._counted, matter, strict=True
+            )
+            if counts
+            for seed, is_alone in zip(found.seeds, found.alone, strict=True)
+            if is_alone
+        ]
+
+    def _shifts(self, points: Array) -> tuple[Array, Array]:
+        """Changes by outlying runs, and their variances, shape (m, targets)."""
+        found = [
+            outliers.shift_at(points[:, axes])
+            for outliers, axes in zip(self._counted, self._axes, strict=True)
+        ]
+        shifts, variances = zip(*found, strict=True)
+        return np.column_stack(shifts), np.column_stack(variances)
 
     def predict_without_outliers(self, points: ArrayLike) -> tuple[Array, Array]:
         """Return the same by the runs that are no outliers."""
@@ -210,7 +227,7 @@ class Metamodels:
         from measurements of their own.
         """
         at = np.atleast_2d(points)
-        means = np.column_stack([model.mean(at) for model in self.models]) + self._shifts
+        means = np.column_stack([model.mean(at) for model in self.models]) + self._shifts(at)[0]
         responses = self.decorrelated((means - self._targets) / self._units)
         return np.hstack([responses, self.problem.standardised_residuals(points)])
 
@@ -306,13 +323,9 @@ class Metamodels:
 
         Assumes that the expected responses stay as they are and their errors shrink.
         """
-        means, variances = self.predict(point)
+        means, _ = self.predict(point)
         counts = np.unique(np.geomspace(1, 1e6, 400).round())
-        scatter = self.scatter_at(point)[0] * self._units**2
-        variances = variances - self._shift_variances
-        runs = np.array([found.runs for found in self.outliers])
-        left = variances / (1 + counts[:, None] * variances / scatter)
-        left += self._shift_variances * runs / (runs + counts[:, None])
+        left = self._variances_after(point, np.tile(counts[:, None], len(self.models)))
         enough = self._probability(np.tile(means, (len(counts), 1)), left) >= confidence
         return int(counts[enough][0]) if enough.any() else int(counts[-1])
 
@@ -352,13 +365,22 @@ class Metamodels:
 
     def _chances(self, point: Array, counts: NDArray[np.int_]) -> Array:
         """Probability that a point agrees after some runs per target, shape (m, targets)."""
-        variances = self.predict(point)[1] - self._shift_variances
-        scatter = self.scatter_at(point)[0] * self._units**2
-        runs = np.array([found.runs for found in self.outliers])
-        left = variances / (1 + counts * variances / scatter)
-        left += self._shift_variances * runs / (runs + counts)
+        left = self._variances_after(point, counts)
         inside = self._probability(np.tile(self._targets, (len(counts), 1)), left)
         return np.maximum(inside, np.finfo(float).tiny)
+
+    def _variances_after(self, point: Array, counts: NDArray[Any]) -> Array:
+        """Variances at a point after some runs there per target, shape (m, targets)."""
+        at = np.atleast_2d(point)
+        variances = self.predict_without_outliers(at)[1][0]
+        of_shifts = self._shifts(at)[1][0]
+        scatter = self.scatter_at(at)[0] * self._units**2
+        shrinking = [
+            found.shrinking_at(at[0, axes], count)
+            for found, axes, count in zip(self._counted, self._axes, counts.T, strict=True)
+        ]
+        left = variances / (1 + counts * variances / scatter) + of_shifts * np.array(shrinking).T
+        return np.asarray(left)
 
     def yielded_by(self, tests: Collection[str] | None) -> NDArray[np.bool_]:
         """Whether runs of some tests yield each target, shape (targets,); None for all tests."""

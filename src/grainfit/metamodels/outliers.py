@@ -1,25 +1,27 @@
 """Find runs that do not belong to the scatter of the others: jams, avalanches, blow-ups.
 
 Runs are left out one after the other, always the one that the metamodel of the others predicts
-worst, and each is judged by that metamodel (generalised extreme studentised deviates). Normal
-scatter raises a false alarm in `FALSE_ALARM` of all responses that are checked once.
+worst, and each is judged by that metamodel (generalised extreme studentised deviates). A
+calibration looks after every run, so each run has its part of the error of the whole calibration.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
-from scipy.special import stdtrit
 
 from grainfit.metamodels.kriging import Kriging
-from grainfit.metamodels.prediction import NORMAL_QUANTILE
 from grainfit.metamodels.predictor import FloatArray
+from grainfit.metamodels.share_of_jams import ShareOfJams
 
-#: Probability that runs of normal scatter are found to have an outlier.
-FALSE_ALARM = 0.005
+#: Probability that runs of normal scatter are found to have an outlier, once in a calibration of
+#: so many runs.
+FALSE_ALARM = 0.01
+_RUNS_OF_CALIBRATION = 60
 #: Largest share of runs that can be outliers: beyond it, they are the rule.
 _LARGEST_SHARE = 0.25
 #: With a smaller largest residual, no run needs to be looked at.
@@ -30,6 +32,8 @@ _ALL_TRIED = 60
 _WORTH_A_FIT = 0.8
 #: Fewest runs per coefficient of a linear trend with which a run can be told from the others.
 _RUNS_PER_COEFFICIENT = 2
+#: Distance in the unit cube of equal parameters.
+_SAME = 1e-9
 #: Distance per root of the dimension within which runs tell about the same place.
 _NEAR = 0.02
 #: Chance below which outlying runs at one place are no coincidence.
@@ -38,41 +42,83 @@ _TOGETHER_BY_CHANCE = 0.01
 
 @dataclass(frozen=True)
 class Outliers:
-    """Outlying runs of one response.
+    """Outlying runs of one response: where they are, and what they give.
 
     Parameters
     ----------
     indices : tuple of int
         Their places among the runs.
-    residuals : ndarray
+    residuals : tuple of float
         Their deviations from what the metamodel of the others expects.
-    runs : int
-        Number of all runs.
+    points : tuple of tuple of float
+        Points of all runs in the unit cube.
     seeds : tuple of int
         Seeds of the outlying runs, by which a user finds them.
     """
 
     indices: tuple[int, ...]
-    residuals: FloatArray
-    runs: int
+    residuals: tuple[float, ...]
+    points: tuple[tuple[float, ...], ...]
     seeds: tuple[int, ...] = ()
 
     @property
-    def shift(self) -> float:
-        """Change of the expected response by such runs: the mean over seeds has them, too."""
-        return float(self.residuals.sum()) / self.runs
+    def runs(self) -> int:
+        """Number of all runs."""
+        return len(self.points)
 
     @property
-    def variance_of_shift(self) -> float:
-        """Squared standard error of the shift, widened for the few runs that it rests on."""
+    def alone(self) -> NDArray[np.bool_]:
+        """Whether no other run has the parameters of an outlying one, shape (outliers,)."""
+        return np.asarray(self._same_place.sum(axis=1) == 1)
+
+    @property
+    def repeated(self) -> int:
+        """Number of outlying runs whose parameters were run again with another seed."""
+        return int((~self.alone).sum())
+
+    @property
+    def came_again(self) -> int:
+        """Number of those that all came out like that again."""
+        others = np.delete(self._same_place, self.indices, axis=1)
+        return int((~self.alone & ~others.any(axis=1)).sum())
+
+    @property
+    def _same_place(self) -> NDArray[np.bool_]:
+        """Which runs have the parameters of each outlying one, shape (outliers, n)."""
+        points = np.array(self.points)
+        return np.asarray(cdist(points[list(self.indices)], points) < _SAME)
+
+    def shift_at(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the change of the expected response by such runs, and its variance, shape (m,).
+
+        The mean over seeds has them, too: with the share that they have at a point, times what
+        they give.
+        """
         if not self.indices:
-            return 0.0
-        squares = float((self.residuals**2).sum()) - self.runs * self.shift**2
-        widened = float(stdtrit(self.runs - 1, 0.975)) / NORMAL_QUANTILE
-        return widened**2 * squares / (self.runs * (self.runs - 1))
+            return np.zeros(len(points)), np.zeros(len(points))
+        share, variance, _ = self.share.at(points)
+        residuals = np.array(self.residuals)
+        effect = float(residuals.mean())
+        squares = float(((residuals - effect) ** 2).sum()) + effect**2
+        of_effect = squares / len(residuals) ** 2
+        return share * effect, variance * (effect**2 + of_effect) + share**2 * of_effect
+
+    @cached_property
+    def share(self) -> ShareOfJams:
+        """Share of such runs."""
+        is_jam = np.zeros(self.runs, dtype=bool)
+        is_jam[list(self.indices)] = True
+        return ShareOfJams(np.array(self.points), is_jam)
+
+    def shrinking_at(self, point: FloatArray, more: FloatArray) -> FloatArray:
+        """Return by what factors more runs at a point shrink the variance of the shift there."""
+        if not self.indices:
+            return np.ones(len(more))
+        runs = float(self.share.at(np.atleast_2d(point))[2][0]) + 1
+        return np.asarray(runs / (runs + more))
 
 
-NO_OUTLIERS = Outliers((), np.empty(0), 1)
+NO_OUTLIERS = Outliers((), (), ())
 
 
 def fit_without_outliers(
@@ -111,15 +157,25 @@ def fit_without_outliers(
         model = _fit(points[kept], values[kept], standard_errors[kept])
         if _all_outlying(model, points[left_out], values[left_out], len(values)):
             best, outlying = model, left_out
-    if not len(outlying) or not _are_alone(points, outlying):
+    together = _together(points, outlying)
+    if together.all():
         return everything, NO_OUTLIERS
+    if together.any():
+        outlying = outlying[~together]
+        kept = np.setdiff1d(runs, outlying)
+        best = _fit(points[kept], values[kept], standard_errors[kept])
     residuals = values[outlying] - best.predict(points[outlying]).mean
-    return best, Outliers(tuple(outlying.tolist()), residuals, len(values))
+    everywhere = tuple(map(tuple, points.tolist()))
+    return best, Outliers(tuple(outlying.tolist()), tuple(residuals.tolist()), everywhere)
 
 
 def _fit(points: FloatArray, values: FloatArray, standard_errors: FloatArray) -> Kriging:
     """Fit a metamodel, with a scatter that changes over the cube where the runs show it."""
     return Kriging.fit(points, values, standard_errors=standard_errors, scatter_may_vary=True)
+
+
+def _error_of_a_run(runs: int) -> float:
+    return FALSE_ALARM / max(runs, _RUNS_OF_CALIBRATION)
 
 
 def _most_outliers(runs: int, dimension: int) -> int:
@@ -140,7 +196,7 @@ def _suspicious(model: Kriging, most: int) -> int:
     At the hyperparameters of all runs a run is left out by few operations, so that metamodels are
     fitted again only where something is suspicious.
     """
-    limit = _WORTH_A_FIT * model.quantile(FALSE_ALARM / model.n)
+    limit = _WORTH_A_FIT * model.quantile(_error_of_a_run(model.n))
     others, found = model.leaving_out(), 0
     for number in range(1, most + 1):
         others.leave_out_worst()
@@ -149,27 +205,31 @@ def _suspicious(model: Kriging, most: int) -> int:
     return found
 
 
-def _are_alone(points: FloatArray, left_out: NDArray[np.intp]) -> bool:
-    """Whether these runs do not lie together at one place more often than chance explains.
+def _together(points: FloatArray, left_out: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Which of these runs lie together at one place more often than chance explains.
 
-    There they would show a response that the metamodel misses, and no outliers.
+    What comes again there is the response of that place, and belongs to the metamodel.
     """
+    distances = cdist(points[left_out], points)
+    is_out = np.isin(np.arange(len(points)), left_out)
+    reaches = _SAME, _NEAR * np.sqrt(points.shape[1])
+    return np.array(
+        [any(_gather(row <= reach, is_out) for reach in reaches) for row in distances], dtype=bool
+    )
+
+
+def _gather(near: NDArray[np.bool_], is_out: NDArray[np.bool_]) -> bool:
+    """Whether more of the runs near a place are outlying than chance explains."""
     # Loaded late, because it takes half a second.
     from scipy.stats import binom
 
-    distances = cdist(points[left_out], points)
-    is_out = np.isin(np.arange(len(points)), left_out)
-    for row in distances:
-        near = row <= _NEAR * np.sqrt(points.shape[1])
-        together, elsewhere = int((near & is_out).sum()), int((~near & is_out).sum())
-        share = (elsewhere + 1) / ((~near).sum() + 2)
-        by_chance = binom.sf(together - 1, near.sum(), share)
-        if together > 1 and by_chance < _TOGETHER_BY_CHANCE:
-            return False
-    return True
+    together, elsewhere = int((near & is_out).sum()), int((~near & is_out).sum())
+    share = (elsewhere + 1) / ((~near).sum() + 2)
+    by_chance = binom.sf(together - 1, near.sum(), share)
+    return bool(together > 1 and by_chance < _TOGETHER_BY_CHANCE)
 
 
 def _all_outlying(model: Kriging, points: FloatArray, values: FloatArray, runs: int) -> bool:
     found = model.predict(points)
     away = np.abs(values - found.mean) / np.sqrt(found.variance_of_new_run)
-    return bool(away.min() > model.quantile(FALSE_ALARM / runs))
+    return bool(away.min() > model.quantile(_error_of_a_run(runs)))

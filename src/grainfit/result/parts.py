@@ -57,6 +57,9 @@ class ResponseResult:
         Responses of the verification runs.
     verified_seeds : tuple of int
         Their seeds.
+    jams_not_excluded : float, optional
+        Largest share of jammed runs that as many runs without a jam do not exclude, with a
+        confidence of 95 %: ``1 - 0.05 ** (1 / n)``. None where a run jammed.
     """
 
     target: float
@@ -72,6 +75,7 @@ class ResponseResult:
     probability: float | None = None
     verified_values: tuple[float, ...] = ()
     verified_seeds: tuple[int, ...] = ()
+    jams_not_excluded: float | None = None
 
     def deviation_in_words(self, unit: str) -> str:
         """Return the deviation with its sign: in percent, or in a unit as it is to be shown."""
@@ -114,8 +118,8 @@ class CurveResult:
     verified_runs : int
         Number of fresh seeds at the answer.
     verified_mean, verified_standard_errors : tuple of float
-        Mean curve of at least two fresh seeds at the measured points, carried over to the answer,
-        and its standard errors; empty for fewer.
+        Mean curve of at least two fresh seeds at the measured points, and its standard errors;
+        empty for fewer.
     """
 
     coordinate: str

@@ -48,6 +48,8 @@ class Answer:
         Probability that all targets are met by runs that are no outliers.
     outliers : mapping of str to Outliers
         Outlying runs, by name of the target; without those that have none.
+    runs : mapping of str to int
+        Number of runs that belong together, by name of the target.
     runs_needed : int
         Estimated number of further runs at these parameters that would make it certain enough, if
         the expected responses are right.
@@ -75,6 +77,7 @@ class Answer:
     probabilities: Mapping[str, float] = field(default_factory=dict)
     probability_without_outliers: float = 1.0
     outliers: Mapping[str, Outliers] = field(default_factory=dict)
+    runs: Mapping[str, int] = field(default_factory=dict)
     runs_needed: int = 0
     runs_by_worth: tuple[str, ...] = ()
     out_of_reach: tuple[OutOfReach, ...] = ()
@@ -122,6 +125,7 @@ def make_answer(
             for name, found in zip(names, metamodels.outliers, strict=True)
             if found.indices
         },
+        runs={name: model.n for name, model in zip(names, metamodels.models, strict=True)},
         runs_needed=metamodels.runs_needed(point, confidence),
         runs_by_worth=_runs_by_worth(metamodels, point, confidence, costs),
         out_of_reach=tuple(out_of_reach),

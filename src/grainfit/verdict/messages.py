@@ -40,7 +40,10 @@ OTHER_SHAPE = Message(
 )
 OUTLYING_RUNS = Message(
     "{target}: {outlying} of {runs} (seed {seeds}), up to {away} {side} the prediction by the "
-    "others."
+    "others{again}."
+)
+RUN_AGAIN = Message(
+    "; of {repeated} that were run again with another seed, {came_again} came out like that again"
 )
 SCATTER_CHANGES = Message(
     "{target}: the scatter from run to run changes over the intervals, from {low} to {high}; at "

@@ -103,13 +103,19 @@ class OtherShape(Reason):
 
 @dataclass(frozen=True)
 class OutlyingRuns(Reason):
-    """Some runs deviate from the others by more than scatter explains, at most by ``largest``."""
+    """Some runs deviate from the others by more than scatter explains, at most by ``largest``.
+
+    Of those whose parameters were run again with another seed, ``repeated``, some came out like
+    that again: there the response is another. The rest are jams.
+    """
 
     target: str
     unit: str
     runs: int
     seeds: tuple[int, ...]
     largest: float
+    repeated: int = 0
+    came_again: int = 0
     kind = "outlying runs"
 
     def __str__(self) -> str:
@@ -121,7 +127,13 @@ class OutlyingRuns(Reason):
             seeds=f"{seeds}, ..." if len(self.seeds) > _MOST_SEEDS else seeds,
             away=with_unit(number(abs(self.largest), 3), unit_for_people(self.unit)),
             side="above" if self.largest > 0 else "below",
+            again=self._again(),
         )
+
+    def _again(self) -> str:
+        if not self.repeated:
+            return ""
+        return messages.RUN_AGAIN(repeated=self.repeated, came_again=self.came_again or "none")
 
 
 @dataclass(frozen=True)

@@ -85,10 +85,10 @@ def _status(evidence: Evidence, *, in_doubt: bool) -> Status:
         return "unreachable"
     if any(curve.has_other_shape for curve in evidence.curves):
         return "out_of_tolerance"
-    both = (evidence.probability_all_met, evidence.probability_without_outliers)
-    if min(both) >= evidence.confidence and not in_doubt:
+    probability = evidence.probability_all_met
+    if probability >= evidence.confidence and not in_doubt:
         return "calibrated"
-    return "out_of_tolerance" if max(both) <= 1 - evidence.confidence else "undecided"
+    return "out_of_tolerance" if probability <= 1 - evidence.confidence else "undecided"
 
 
 def _verdict(probability: float, confidence: float, contradicted: bool) -> Verdict:
@@ -255,7 +255,7 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
         return
     with_all, without = evidence.probability_all_met, evidence.probability_without_outliers
     has_outliers = any(one.outlying is not None for one in evidence.targets)
-    if has_outliers and abs(with_all - without) > 1 - evidence.confidence:
+    if has_outliers and with_all < evidence.confidence <= without:
         yield OutliersDecide(with_all, without)
     elif with_all < evidence.confidence:
         doubtful = [one for one in evidence.targets if one.probability < evidence.confidence]

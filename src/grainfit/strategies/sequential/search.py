@@ -188,6 +188,8 @@ class SequentialSearch(Search):
         if self._to_repeat or not self._design_is_told:
             return False
         used = self._budget_is_used and not self._pending
+        if not used and self._to_run_again():
+            return False
         if used or (self._belief is not None and self._rule.is_decided(self._belief)):
             if self._belief is not None:
                 self._note(self._rule.final_notices(self._belief))
@@ -275,6 +277,8 @@ class SequentialSearch(Search):
             return self._propose(values, "design", self._tests_of_design[number])
         if again := self._failed_by_machine():
             return self._propose(again.parameters, again.stage, again.tests)
+        if again := self._to_run_again():
+            return self._propose(again.parameters, "optimisation", again.tests)
         if self.finished:
             return None
         self._has_ended = False
@@ -436,6 +440,29 @@ class SequentialSearch(Search):
             ]
             if tries[-1] == index and len(tries) < _TRIES_OF_A_MACHINE:
                 return again
+        return None
+
+    def _to_run_again(self) -> Proposal | None:
+        """Proposal of a run that does not belong to the others, to see if it comes again.
+
+        What another seed gives again belongs to its place; the rest are jams.
+        """
+        belief = self._belief
+        if belief is None:
+            return None
+        by_seed = {evaluation.proposal.seed: evaluation.proposal for evaluation in self.known}
+        for target, seed in belief.metamodels.suspects(belief.answer):
+            outlying, scope = by_seed[seed], belief.problem.scope_of(target.name)
+            asked = [
+                one
+                for one in self._asked
+                if one.parameters == outlying.parameters
+                and one.seed != seed
+                and one.asks_for(scope.name)
+            ]
+            inside = all(p.contains(outlying.parameters[p.name]) for p in self.problem.parameters)
+            if inside and not asked:
+                return replace(outlying, tests=self._some([scope.name]))
         return None
 
     def _failed_part(self, evaluation: Evaluation) -> Proposal:

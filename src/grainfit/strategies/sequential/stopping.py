@@ -53,9 +53,7 @@ class StoppingRule:
 
     def is_hopeless(self, belief: Belief) -> bool:
         """Whether no further run could decide the answer."""
-        if self.is_out_of_reach(belief) or self._is_at_noise_floor(belief):
-            return True
-        return belief.metamodels.outliers_decide
+        return self.is_out_of_reach(belief) or self._is_at_noise_floor(belief)
 
     def is_answered(self, belief: Belief) -> bool:
         """Whether the answer is known but for its verification."""

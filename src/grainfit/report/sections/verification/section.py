@@ -31,6 +31,7 @@ class VerifiedRow:
     grade: str
     mark: str
     words: str
+    jams: str
 
 
 @dataclass(frozen=True)
@@ -112,9 +113,11 @@ def _row(context: ReportContext, check: _Check) -> VerifiedRow:
         f"lead to expect {with_unit(_with_interval(*check.response.expected), label.unit)}, and "
         f"{with_unit(wanted, label.unit)} was measured"
     )
+    share = check.response.jams_not_excluded
+    jams = "" if share is None else number(100 * share, 2)
     if check.differs:
-        return VerifiedRow(label, "warn", "! differs", words)
-    return VerifiedRow(label, "good", "✓ agrees", words)
+        return VerifiedRow(label, "warn", "! differs", words, jams)
+    return VerifiedRow(label, "good", "✓ agrees", words, jams)
 
 
 def _with_interval(value: float, half_width: float) -> str:
