@@ -6,7 +6,7 @@ are kept in the file ``--kept`` and not repeated, so that the command can be sto
 again.
 
     python benchmarks/verdicts.py --kept verdicts.jsonl [--calibrations 100] [--processes 2]
-        [--problems NAME_OR_GROUP ...] [--workers 1]
+        [--problems NAME_OR_GROUP ...] [--workers 1] [--known-scatter 1]
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import sys
 import time
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -63,6 +64,8 @@ GROUPS = {
 CLASSES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 1.0)
 #: A remaining number of runs is right between half and twice the truth, give or take one run.
 FACTOR, SLACK = 2.0, 1
+#: Seeds by which a scatter is known before the runs.
+SEEDS = 1000
 #: Deviation in tolerances that is an error of rounding.
 ROUNDING = 1e-9
 #: Demands on kinds, pooled over a group: largest share of false verdicts among calibrated, of
@@ -78,9 +81,11 @@ COVERAGE, COVERAGE_OF_BOUNDS = (93, 98), (90, 99)
 # One calibration ----------------------------------------------------------------------------
 
 
-def calibrate(name: str, seed: int, workers: int) -> Record:
+def calibrate(name: str, seed: int, workers: int, known_scatter: float) -> Record:
     """Calibrate a problem and compare what is stated with what is true."""
     known = EVERY[name](seed)
+    if known_scatter:
+        known = _with_scatters(known, known_scatter)
     told: list[tuple[int, int, int]] = []
 
     def note(progress: Progress) -> None:
@@ -98,6 +103,13 @@ def calibrate(name: str, seed: int, workers: int) -> Record:
     return {"problem": name, "seed": seed, "seconds": round(seconds, 2)} | _facts(
         known, result, told
     )
+
+
+def _with_scatters(known: KnownProblem, factor: float) -> KnownProblem:
+    """Return the problem with scatters that are known: a factor times those at its middle."""
+    runs = [known.simulate(known.problem.middle, seed) for seed in range(SEEDS)]
+    scatters = {name: factor * float(np.std([run[name] for run in runs])) for name in runs[0]}
+    return replace(known, problem=replace(known.problem, scatters=scatters))
 
 
 def _facts(known: KnownProblem, result: Result, told: list[tuple[int, int, int]]) -> Record:
@@ -134,7 +146,12 @@ def _held(known: KnownProblem, result: Result) -> list[tuple[bool, bool]]:
 
 
 def measure(
-    names: Sequence[str], calibrations: int, processes: int, workers: int, kept: Path
+    names: Sequence[str],
+    calibrations: int,
+    processes: int,
+    workers: int,
+    kept: Path,
+    known_scatter: float = 0.0,
 ) -> list[Record]:
     """Return the records of all calibrations; add new ones to the file as they end."""
     records = _read(kept)
@@ -143,7 +160,7 @@ def measure(
     jobs = [(n, s) for s in range(1, calibrations + 1) for n in names if (n, s) not in known]
     start = time.monotonic()
     with ProcessPoolExecutor(processes) as pool, kept.open("a") as file:
-        pending = [pool.submit(calibrate, *job, workers) for job in jobs]
+        pending = [pool.submit(calibrate, *job, workers, known_scatter) for job in jobs]
         try:
             for done, future in enumerate(as_completed(pending), 1):
                 records.append(future.result())
@@ -315,6 +332,13 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--workers", type=int, default=1, help="runs at a time")
     parser.add_argument(
+        "--known-scatter",
+        type=float,
+        default=0.0,
+        metavar="FACTOR",
+        help="the scatters times this factor are known before the runs",
+    )
+    parser.add_argument(
         "--problems",
         nargs="+",
         default=list(PROBLEMS),
@@ -330,6 +354,7 @@ def main() -> None:
         arguments.processes,
         arguments.workers,
         arguments.kept,
+        arguments.known_scatter,
     )
     print_tables(records, names)
 

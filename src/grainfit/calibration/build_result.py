@@ -14,8 +14,10 @@ from grainfit.calibration import messages
 from grainfit.calibration.judged_answer import JudgedAnswer
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation
+from grainfit.formatting import number, unit_for_people, with_unit
 from grainfit.metamodels.blow_ups import about_blow_ups
 from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
+from grainfit.metamodels.hyperparameters import RUNS_OF_KNOWN_SCATTER
 from grainfit.problem import Problem, Target
 from grainfit.result import (
     CurveResult,
@@ -76,6 +78,7 @@ def make_result(
     short = [about_short_curves(curve, evaluations) for curve in search.problem.curves]
     notices += filter(None, short)
     notices += about_blow_ups(search.problem, evaluations)
+    notices += _scatter_notices(search.problem)
     if outcome:
         notices += _failure_notices(outcome.fresh.evaluations)
     return Result(
@@ -210,6 +213,18 @@ def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:
         total=sum(len(e.runs) for e in evaluations),
         warm_start_runs=known,
     )
+
+
+def _scatter_notices(problem: Problem) -> Iterator[str]:
+    """Name the scatters that are known before the runs."""
+    known = [
+        f"{target.name} {with_unit(number(problem.scatters[target.name], 2), unit)}"
+        for target in problem.targets
+        if target.name in problem.scatters
+        for unit in [unit_for_people(target.unit)]
+    ]
+    if known:
+        yield messages.KNOWN_SCATTER(runs=RUNS_OF_KNOWN_SCATTER, scatters=", ".join(known))
 
 
 def _failure_notices(verification: Sequence[Evaluation]) -> Iterator[str]:

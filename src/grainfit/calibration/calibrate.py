@@ -19,7 +19,7 @@ from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.readiness import require_ready
-from grainfit.calibration.runs_to_come import largest_scatter
+from grainfit.calibration.runs_to_come import largest_scatter, with_recorded_scatters
 from grainfit.calibration.scopes import repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.campaign.campaign import Campaign, CampaignOptions
@@ -162,6 +162,7 @@ def calibrate(
     given_repeats = _repeats(repeats, solvers)
     problem = with_scopes(problem, solvers, given_repeats)
     means = repeats_of(problem, solvers, given_repeats)
+    problem = with_recorded_scatters(problem, solvers, means)
     solvers = restricted(problem, solvers)
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)

@@ -146,6 +146,7 @@ class CalibrationLoop:
             "workers": self._options.workers,
             "max_runs": self._options.max_runs,
             "tests": [asdict(scope) for scope in self._problem.tests],
+            "scatters": dict(self._problem.scatters),
             "provenance": asdict(self._options.provenance or Provenance()),
         }
 

@@ -49,4 +49,8 @@ AGREES_UP_TO_BOUND = Message(
 )
 NO_INTERVALS = Message("The 95 % intervals of the parameters were not calculated: {why}.")
 NOT_WRITTEN = Message("{path!r} cannot be written: {why}.")
+KNOWN_SCATTER = Message(
+    "Scatter that is known before the runs counts as that of {runs} more, where they do not "
+    "contradict it: {scatters}."
+)
 WARM_START = Message("Warm start from {runs} earlier runs: {places}.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grainfit.evaluation import response_name
 from grainfit.formatting import number
@@ -197,6 +197,23 @@ def recorded_scatters(
             if target is not None and info.sensitivities is not None and target.value:
                 relative = info.sensitivities.scatter / math.sqrt(count)
                 yield RecordedScatter(test, response, target, count, relative)
+
+
+def with_recorded_scatters(
+    problem: Problem, solvers: Mapping[str, Solver], repeats: Mapping[str, int]
+) -> Problem:
+    """Return the problem with the recorded scatters of its targets, where none are given.
+
+    Parameters
+    ----------
+    problem, solvers, repeats
+        As of `recorded_scatters`.
+    """
+    recorded = {
+        one.target.name: one.relative * abs(one.target.value)
+        for one in recorded_scatters(problem, solvers, repeats)
+    }
+    return replace(problem, scatters=recorded | dict(problem.scatters))
 
 
 def largest_scatter(

@@ -32,6 +32,11 @@ _COARSE = 1e-6
 _SMALLEST_WEIGHTS = (1e-4, 1e-2)
 # Negative log density where rounding makes the covariance indefinite.
 _INDEFINITE = 1e25
+#: Runs that a scatter that is known before the runs counts as. Recorded scatters and those of other
+#: runs differ by a factor of 1.4 (standard deviation of 22 responses), as estimates of 5 runs do.
+RUNS_OF_KNOWN_SCATTER = 5
+#: Standard errors beyond which runs contradict a known scatter.
+_CONTRADICTION = 1.0
 
 
 def _weighted_squares(weights: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
@@ -69,6 +74,8 @@ class _Factorised(NamedTuple):
     factor: FloatArray
     coefficients: FloatArray
     sum_of_squares: float
+    #: Part of the sum that a known scatter adds.
+    of_known: float
 
 
 class HyperparameterPosterior:
@@ -78,6 +85,14 @@ class HyperparameterPosterior:
     ``(1 - u) ((1 - p) R / r + p W) + u N``: R the correlation, r its mean in the contrasts, so
     that p is the share of noise in the residuals from the trend; W the ratios of the runs' noise
     variances to their mean, on the diagonal; N the known noise and u its share.
+
+    A scatter that is known before the runs makes the prior of the noise's variance scaled inverse
+    chi-squared, with the degrees of freedom `RUNS_OF_KNOWN_SCATTER`. Given the other
+    hyperparameters, the common variance stays so, with the degrees of freedom of both.
+
+    References
+    ----------
+    Gelman et al. (2013), *Bayesian Data Analysis*, section 2.6: scaled inverse chi-squared prior.
     """
 
     def __init__(
@@ -87,10 +102,14 @@ class HyperparameterPosterior:
         contrasts: Contrasts,
         known_noise: FloatArray,
         noise_ratios: FloatArray | None = None,
+        known_variance: float = 0.0,
     ) -> None:
         self.points = points
+        self._known_runs = RUNS_OF_KNOWN_SCATTER if known_variance > 0 else 0
+        self._known_squares = self._known_runs * known_variance
         self.contrasts = contrasts
         self.values = contrasts.complement.T @ values
+        self.degrees_of_freedom = len(self.values) + self._known_runs
         #: Of the noise that is estimated, in the contrasts.
         self.noise = np.eye(len(self.values))
         if noise_ratios is not None:
@@ -120,7 +139,8 @@ class HyperparameterPosterior:
 
     def value(self, theta: FloatArray) -> float:
         """Negative logarithm of the posterior density, up to a constant of the runs."""
-        return self._value(theta, self._factorised(self._covariance(theta)))
+        parts = self._covariance(theta)
+        return self._value(theta, parts, self._factorised(parts))
 
     def __call__(self, theta: FloatArray) -> tuple[float, FloatArray]:
         """Return `value` and its gradient."""
@@ -128,34 +148,43 @@ class HyperparameterPosterior:
         solved = self._factorised(parts)
         if solved is None:
             return _INDEFINITE, np.zeros_like(theta)
-        freedom, mean = len(self.values), parts.mean_correlation
+        contrasts, mean = len(self.values), parts.mean_correlation
         sensitivity = _inverse(solved.factor)
         outer = np.outer(solved.coefficients, solved.coefficients)
-        sensitivity -= freedom / solved.sum_of_squares * outer
+        sensitivity -= self.degrees_of_freedom / solved.sum_of_squares * outer
         signal = (1.0 - self.known_share) * (1.0 - parts.noise_share)
         on_signal = float(np.vdot(sensitivity, parts.correlation)) / mean
         on_noise = float(np.vdot(sensitivity, self.noise))
-        sensitivity[np.diag_indices(freedom)] -= on_signal / freedom
+        sensitivity[np.diag_indices(contrasts)] -= on_signal / contrasts
         weights = self.contrasts.spread(sensitivity) * squareform(parts.slope)
         of_ranges = 0.5 * signal / mean * _weighted_squares(weights, self.points, parts.ranges)
         of_noise = 0.5 * signal * parts.noise_share * (on_noise - on_signal)
+        pull = self.degrees_of_freedom * solved.of_known / solved.sum_of_squares
+        of_noise += 0.5 * (1.0 - parts.noise_share) * (self._known_runs - pull)
         of_prior = (theta - self.centre) / self.spread**2
-        return self._value(theta, solved), np.append(of_ranges, of_noise) + of_prior
+        return self._value(theta, parts, solved), np.append(of_ranges, of_noise) + of_prior
 
     def _factorised(self, parts: _Covariance) -> _Factorised | None:
         factor, info = lapack.dpotrf(parts.matrix, lower=1)
         if info:
             return None
         coefficients, _ = lapack.dpotrs(factor, self.values, lower=1)
-        return _Factorised(factor, coefficients, float(self.values @ coefficients))
+        of_known = self._known_squares / self._noise(parts)
+        squares = float(self.values @ coefficients) + of_known
+        return _Factorised(factor, coefficients, squares, of_known)
 
-    def _value(self, theta: FloatArray, solved: _Factorised | None) -> float:
+    def _noise(self, parts: _Covariance) -> float:
+        """Variance of the estimated noise over the common variance."""
+        return (1.0 - self.known_share) * parts.noise_share
+
+    def _value(self, theta: FloatArray, parts: _Covariance, solved: _Factorised | None) -> float:
         if solved is None:
             return _INDEFINITE
         offset = (theta - self.centre) / self.spread
         return (
             float(np.log(np.diag(solved.factor)).sum())
-            + 0.5 * len(self.values) * math.log(solved.sum_of_squares)
+            + 0.5 * self.degrees_of_freedom * math.log(solved.sum_of_squares)
+            + 0.5 * self._known_runs * math.log(self._noise(parts))
             + 0.5 * float(offset @ offset)
         )
 
@@ -239,7 +268,7 @@ class HyperparameterPosterior:
         around = self._around(mode)
         parts = [self._covariance(theta) for theta in around]
         solved = [self._factorised(one) for one in parts]
-        values = np.array([self._value(*pair) for pair in zip(around, solved, strict=True)])
+        values = np.array([self._value(*each) for each in zip(around, parts, solved, strict=True)])
         depth = values - self.value(mode) - 0.5 * len(mode)
         # Limited, so that one point above the local maximum does not get all the weight.
         weights = np.exp(-np.clip(depth, -3.0, None))
@@ -251,8 +280,18 @@ class HyperparameterPosterior:
             if is_kept and factorised is not None
         ]
 
+    def supports(self, variance: float) -> bool:
+        """Whether the noise that the runs show is that of a scatter that is known before them."""
+        sets = self.hyperparameters()
+        weights = np.array([one.weight for one in sets])
+        logarithms = np.log([one.noise_variance for one in sets])
+        mean = float(weights @ logarithms)
+        spread = float(weights @ (logarithms - mean) ** 2)
+        spread += 2.0 / self.degrees_of_freedom + 2.0 / RUNS_OF_KNOWN_SCATTER
+        return abs(mean - math.log(variance)) < _CONTRADICTION * math.sqrt(spread)
+
     def _estimated(self, parts: _Covariance, solved: _Factorised, weight: float) -> Hyperparameters:
-        variance = solved.sum_of_squares / len(self.values) * (1.0 - self.known_share)
+        variance = solved.sum_of_squares / self.degrees_of_freedom * (1.0 - self.known_share)
         noise = variance * parts.noise_share
         signal = (variance - noise) / parts.mean_correlation
         return Hyperparameters(parts.ranges, signal, noise, weight)

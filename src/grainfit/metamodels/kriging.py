@@ -127,6 +127,7 @@ class Kriging:
         standard_errors: ArrayLike | None = None,
         linear_trend: bool = True,
         scatter_may_vary: bool = False,
+        known_scatter: float = 0.0,
     ) -> Kriging:
         """Fit a metamodel to runs.
 
@@ -147,6 +148,9 @@ class Kriging:
             Whether the trend is linear; if not, or with too few runs, it is constant.
         scatter_may_vary : bool
             Whether the scatter may change over the cube, which it does if the runs support it.
+        known_scatter : float
+            Standard deviation from run to run that is known before the runs; 0 for none. It counts
+            as the estimate of five more runs, unless the runs contradict it.
 
         Raises
         ------
@@ -168,17 +172,19 @@ class Kriging:
         known_noise = known_noise / standardised.scale**2
         if standardised.are_exact:
             median = np.full(d, RANGE_MEDIAN * math.sqrt(d))
-            sets, ratios, scatter = [Hyperparameters(median, 0.5, 0.5, 1.0)], None, None
+            sets = [Hyperparameters(median, 0.5, 0.5, 1.0)]
+            fit = _Fit(sets, contrasts.degrees_of_freedom, None, None)
         else:
             data = _Data(trend, points, standardised.values, known_noise, contrasts)
-            sets, ratios, scatter = _most_probable_sets(candidates, data, scatter_may_vary)
-        given = (trend, points, standardised.values, known_noise, contrasts, ratios)
+            known_variance = (known_scatter / standardised.scale) ** 2
+            fit = _most_probable_fit(candidates, data, scatter_may_vary, known_variance)
+        given = (trend, points, standardised.values, known_noise, contrasts, fit.ratios)
         return cls(
-            [Component(one, *given) for one in sets],
+            [Component(one, *given) for one in fit.sets],
             offset=standardised.offset,
             scale=standardised.scale,
-            degrees_of_freedom=contrasts.degrees_of_freedom,
-            scatter=scatter,
+            degrees_of_freedom=fit.degrees_of_freedom,
+            scatter=fit.scatter,
         )
 
     @property
@@ -650,17 +656,30 @@ class _Data(NamedTuple):
     known_noise: FloatArray
     contrasts: Contrasts
 
-    def posterior(self, ratios: FloatArray | None) -> HyperparameterPosterior:
+    def posterior(
+        self, ratios: FloatArray | None, known_variance: float = 0.0
+    ) -> HyperparameterPosterior:
         """Return the posterior of the hyperparameters with ratios of the noise variances."""
         return HyperparameterPosterior(
-            self.points, self.values, self.contrasts, self.known_noise, ratios
+            self.points, self.values, self.contrasts, self.known_noise, ratios, known_variance
         )
 
 
-def _most_probable_sets(
-    candidates: Sequence[FloatArray | None], data: _Data, scatter_may_vary: bool
-) -> tuple[list[Hyperparameters], FloatArray | None, GrowingScatter | None]:
-    """Sets of hyperparameters, with the ratios of noise variances that the runs support most."""
+class _Fit(NamedTuple):
+    """Weighted hyperparameters, with the ratios of noise variances that the runs support most."""
+
+    sets: list[Hyperparameters]
+    degrees_of_freedom: int
+    ratios: FloatArray | None
+    scatter: GrowingScatter | None
+
+
+def _most_probable_fit(
+    candidates: Sequence[FloatArray | None],
+    data: _Data,
+    scatter_may_vary: bool,
+    known_variance: float,
+) -> _Fit:
     # The matrices are small: more threads only wait for each other and for the DEM runs.
     with threadpool_limits(limits=1, user_api="blas"):
         fits = [(data.posterior(ratios), ratios, None) for ratios in candidates]
@@ -668,7 +687,10 @@ def _most_probable_sets(
         every = [*fits, *([varying] if varying else [])]
         slopes = data.points.shape[1] if varying else 0
         best, ratios, scatter = every[most_probable([fit.log_density for fit, *_ in every], slopes)]
-        return best.hyperparameters(), ratios, scatter
+        # What is known is no scatter that changes over the cube.
+        if scatter is None and known_variance > 0 and best.supports(known_variance):
+            best = data.posterior(ratios, known_variance)
+        return _Fit(best.hyperparameters(), best.degrees_of_freedom, ratios, scatter)
 
 
 def _varying(

@@ -477,6 +477,7 @@ def _fit(
         points[:, axes],
         np.array([response.value for response in responses]),
         np.array([response.standard_error for response in responses]),
+        problem.scatters.get(name, 0.0),
     )
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
     if len(axes) < problem.dimension:

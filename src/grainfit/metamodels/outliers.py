@@ -122,7 +122,10 @@ NO_OUTLIERS = Outliers((), (), ())
 
 
 def fit_without_outliers(
-    points: FloatArray, values: FloatArray, standard_errors: FloatArray
+    points: FloatArray,
+    values: FloatArray,
+    standard_errors: FloatArray,
+    known_scatter: float = 0.0,
 ) -> tuple[Kriging, Outliers]:
     """Fit a metamodel to the runs that belong together.
 
@@ -132,6 +135,8 @@ def fit_without_outliers(
         Points of the runs in the unit cube.
     values, standard_errors : ndarray, shape (n,)
         Their responses, and the stated standard errors of these.
+    known_scatter : float
+        As of `Kriging.fit`.
 
     Returns
     -------
@@ -144,7 +149,7 @@ def fit_without_outliers(
     ----------
     Rosner (1983), Technometrics 25, 165-172: generalised extreme studentised deviates.
     """
-    everything = _fit(points, values, standard_errors)
+    everything = _fit(points, values, standard_errors, known_scatter)
     most = _most_outliers(*points.shape)
     if most == 0 or _largest_residual(everything)[1] < _SUSPICIOUS:
         return everything, NO_OUTLIERS
@@ -154,7 +159,7 @@ def fit_without_outliers(
     for _ in range(most if len(runs) <= _ALL_TRIED else _suspicious(everything, most)):
         kept = np.delete(kept, _largest_residual(model)[0])
         left_out = np.setdiff1d(runs, kept)
-        model = _fit(points[kept], values[kept], standard_errors[kept])
+        model = _fit(points[kept], values[kept], standard_errors[kept], known_scatter)
         if _all_outlying(model, points[left_out], values[left_out], len(values)):
             best, outlying = model, left_out
     together = _together(points, outlying)
@@ -163,15 +168,23 @@ def fit_without_outliers(
     if together.any():
         outlying = outlying[~together]
         kept = np.setdiff1d(runs, outlying)
-        best = _fit(points[kept], values[kept], standard_errors[kept])
+        best = _fit(points[kept], values[kept], standard_errors[kept], known_scatter)
     residuals = values[outlying] - best.predict(points[outlying]).mean
     everywhere = tuple(map(tuple, points.tolist()))
     return best, Outliers(tuple(outlying.tolist()), tuple(residuals.tolist()), everywhere)
 
 
-def _fit(points: FloatArray, values: FloatArray, standard_errors: FloatArray) -> Kriging:
+def _fit(
+    points: FloatArray, values: FloatArray, standard_errors: FloatArray, known_scatter: float
+) -> Kriging:
     """Fit a metamodel, with a scatter that changes over the cube where the runs show it."""
-    return Kriging.fit(points, values, standard_errors=standard_errors, scatter_may_vary=True)
+    return Kriging.fit(
+        points,
+        values,
+        standard_errors=standard_errors,
+        scatter_may_vary=True,
+        known_scatter=known_scatter,
+    )
 
 
 def _error_of_a_run(runs: int) -> float:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -59,6 +60,9 @@ class Problem:
         every run yields all targets.
     curves : sequence of CurveTarget
         Measured curves to meet.
+    scatters : mapping of str to float
+        Standard deviations of responses from run to run, by name, where they are known before the
+        runs. They count as the estimates of five more runs, unless the runs contradict them.
 
     Raises
     ------
@@ -80,6 +84,7 @@ class Problem:
     correlations: Sequence[Correlation] = ()
     tests: Sequence[TestScope] = ()
     curves: Sequence[CurveTarget] = ()
+    scatters: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         kinds = {
@@ -105,6 +110,10 @@ class Problem:
             given = shown(self.rayleigh_weight)
             key = "rayleigh_weight"
             yield messages.BAD_RAYLEIGH_WEIGHT.fault(key, given=given, most=LARGEST_WEIGHT)
+        for name, scatter in self.scatters.items():
+            if not 0 < as_number(scatter) < math.inf:
+                key = f"scatters.{name}"
+                yield messages.NOT_ABOVE_ZERO.fault(key, given=shown(scatter))
         yield from scope_faults(self.tests, parameters)
         if isinstance(self.rayleigh, RayleighTimeStep):
             yield from self.rayleigh.faults(self.intervals)

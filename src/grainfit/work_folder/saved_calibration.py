@@ -330,6 +330,7 @@ def _problem(
         correlations=definition.get("correlations", ()),
         tests=[TestScope(**data) for data in about.get("tests", [])],
         curves=[CurveTarget.from_json(data) for data in definition.get("curves", [])],
+        scatters=about.get("scatters", {}),
     )
     # A strategy may move a bound that is in the way.
     return problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations])
