@@ -281,11 +281,11 @@ def test_a_card_tells_what_is_missed_from_what_is_in_doubt(card: MaterialCard) -
 
     verdict, line, data, met = said("in doubt")
     assert verdict.endswith("(not met: angle_of_repose, which is in doubt)")
-    assert ", IN DOUBT; fresh seeds " in line
+    assert ", IN DOUBT; fresh seeds" in line
     assert (data["verdict"], met) == ("in doubt", "no")
     verdict, line, data, met = said("missed")
     assert verdict.endswith("(not met: angle_of_repose)")
-    assert ", NOT MET; fresh seeds " in line
+    assert ", NOT MET; fresh seeds" in line
     assert (data["verdict"], met) == ("missed", "no")
 
 
