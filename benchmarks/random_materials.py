@@ -178,8 +178,8 @@ def _calibrate(study: Study, job: Job, folder: Path) -> Record:
     real = study.solvers({**study.fixed, **truth, **known})
     laboratory = folder.parent / f"laboratory {job.material}"
     targets = [
-        _target(study, key, values, job.material)
-        for key, values in _measure(real, study.seeds, laboratory).items()
+        target_of(study.laboratory, key, values, job.material)
+        for key, values in measured_values(real, study.seeds, laboratory).items()
         if key.rpartition(".")[2] in study.laboratory
     ]
     parameters = [Parameter(name, *interval) for name, interval in study.intervals(read).items()]
@@ -205,7 +205,9 @@ def _calibrate(study: Study, job: Job, folder: Path) -> Record:
     }
 
 
-def _measure(solvers: Mapping[str, Solver], seeds: int, folder: Path) -> dict[str, list[float]]:
+def measured_values(
+    solvers: Mapping[str, Solver], seeds: int, folder: Path
+) -> dict[str, list[float]]:
     """Return the values of every response for seeds that no calibration uses.
 
     Studies of one material share what they measure alike.
@@ -228,13 +230,15 @@ def _measure(solvers: Mapping[str, Solver], seeds: int, folder: Path) -> dict[st
     return found
 
 
-def _target(study: Study, key: str, values: Sequence[float], number: int) -> Target:
+def target_of(
+    laboratory: Mapping[str, float | str], key: str, values: Sequence[float], number: int
+) -> Target:
     """Return a target at the mean of the values, with the error of a laboratory."""
     if not any(values):
         return Target(key, 0.0, uncertainty=OF_NO_FLOW, tolerance=3 * OF_NO_FLOW)
     random = np.random.default_rng([2016, number, crc32(key.encode())])
     mean = statistics.fmean(values)
-    absolute = absolute_uncertainty(study.laboratory[key.rpartition(".")[2]], mean)
+    absolute = absolute_uncertainty(laboratory[key.rpartition(".")[2]], mean)
     of_mean = statistics.stdev(values) / math.sqrt(len(values))
     value = mean + absolute * float(random.standard_normal())
     uncertainty = math.hypot(absolute, of_mean)
