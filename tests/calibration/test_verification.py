@@ -91,11 +91,30 @@ def test_seeds_after_a_contradiction_are_compared_with_what_is_known_then(
     design: list[Evaluation],
 ) -> None:
     # A response with a step just below the answer, which no run of the design has seen.
-    high = [one for one in design if one.proposal.parameters["friction"] < 0.5]
+    high = [
+        run(x, value + 2.0, one.proposal.seed, "design")
+        for one in design
+        for x, value in [(one.proposal.parameters["friction"], one.responses[ANGLE.name].value)]
+        if x < 0.5
+    ]
     random = np.random.default_rng(7)
-    far = [run(0.5, 20 + 0.1 * random.standard_normal(), seed) for seed in range(1, 7)]
+    far = [run(0.5, 22 + 0.1 * random.standard_normal(), seed) for seed in range(1, 7)]
     first = judged([*high, *far[:3]])
     assert first.judgement.contradicted == (ANGLE.name,)
     found = judged([*high, *far])
     assert found.judgement.contradicted == ()
     assert list(found.fresh.values[ANGLE.name]) == [4, 5, 6]
+
+
+def test_fresh_seeds_beside_a_cliff_contradict_however_large_the_scatter_seems() -> None:
+    random = np.random.default_rng(9)
+    # The target is in the middle of what a cliff leaves out: the metamodel takes it for scatter.
+    places = np.append(np.linspace(0.1, 0.9, 14), random.uniform(0.45, 0.55, 16))
+    runs = [
+        run(x, 20.0 + 4.0 * (x > 0.5) + 0.1 * random.standard_normal(), 100 + i, "design")
+        for i, x in enumerate(places.tolist())
+    ]
+    close = [run(0.5, 20 + 0.1 * random.standard_normal(), seed) for seed in (1, 2, 3)]
+    found = judged([*runs, *close])
+    assert found.judgement.contradicted == (ANGLE.name,)
+    assert found.status != "calibrated"

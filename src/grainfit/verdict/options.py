@@ -43,6 +43,9 @@ class VerdictOptions:
     contradiction : float
         Standard errors between fresh seeds and the other runs that contradict each other. By
         chance it happens in 3 of 1,000 checks.
+    excluded : float
+        Error with which the fresh seeds alone, by their own scatter, may exclude that a target is
+        met.
     negligible : float
         Deviation, in tolerances, that contradicts nothing: without scatter, any is significant.
     useless_scatter : float
@@ -63,6 +66,7 @@ class VerdictOptions:
     quiet: float = 0.25
     fewest_of_quiet: int = 2
     contradiction: float = 3.0
+    excluded: float = 0.01
     negligible: float = 0.01
     useless_scatter: float = 3.0
 
