@@ -41,6 +41,7 @@ from grainfit.run_definition import identity_of
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
 from grainfit.strategies.seeds import insertion_seed
+from grainfit.verdict.looks import confidence_after
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.reasons import NoRecordThere
 from grainfit.verdict.rule import Status
@@ -87,6 +88,8 @@ class CalibrationLoop:
         self._known: Sequence[Evaluation] = ()
         #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
+        #: How often fresh seeds have been judged.
+        self._looks = 0
         #: Numbers of the runs of the verification by their seeds.
         self._fresh_seeds: dict[int, int] = {}
         #: Notices of the search and of the campaign, in the order in which they came.
@@ -220,6 +223,7 @@ class CalibrationLoop:
         while self._can_be_confirmed(outcome):
             before = len(self._evaluations)
             self._run_fresh_seeds(outcome)
+            self._looks += 1
             outcome = self._judge_at(outcome.answer.parameters)
             if self._is_sure(outcome):
                 break
@@ -286,9 +290,9 @@ class CalibrationLoop:
         return found
 
     def _is_sure(self, outcome: JudgedAnswer) -> bool:
-        """Return whether the outcome would hardly change with more runs."""
-        enough = outcome.answer.probability_all_met >= self._strategy.confidence_to_stop
-        return enough and outcome.status == "calibrated"
+        """Return whether an outcome is certain enough after so many looks at fresh seeds."""
+        enough = confidence_after(self._looks - 1, self._strategy.confidence)
+        return outcome.status == "calibrated" and outcome.answer.probability_all_met >= enough
 
     def _can_be_confirmed(self, outcome: JudgedAnswer) -> bool:
         """Return whether a few fresh seeds at the answer could make it certain enough."""

@@ -48,6 +48,7 @@ from grainfit.evaluation import Evaluation, Outcome, Proposal
 from grainfit.one_line import OneLine, one_line
 from grainfit.options.fields import option_keys, read_options
 from grainfit.strategies import messages
+from grainfit.verdict.looks import confidence_after
 from grainfit.verdict.options import VERDICT
 
 if TYPE_CHECKING:
@@ -182,8 +183,13 @@ class Search(ABC):
 
     @property
     def confidence_to_stop(self) -> float:
-        """Probability at which a search stops: more than demanded, see `VerdictOptions`."""
-        return 1 - VERDICT.doubt_to_stop * (1 - self.confidence)
+        """Probability at which a search stops: more than demanded, see `confidence_after`."""
+        return confidence_after(self.looks, self.confidence)
+
+    @property
+    def looks(self) -> int:
+        """How often it has looked at its answer to see if it can stop; 0 unless overridden."""
+        return 0
 
     @property
     def notices(self) -> Sequence[str]:

@@ -14,10 +14,6 @@ class VerdictOptions:
     confidence : float
         Demanded probability that every target is met: the usual level of confidence. The default
         of the strategies, which let the user choose it.
-    doubt_to_stop : float
-        Doubt at which a search stops, as a share of the accepted one. A search looks after every
-        run and stops when its answer looks good, so it looks better than it is
-        (`benchmarks/verdicts.py`).
     verify_from : float
         Smallest probability of an answer at which fresh seeds are worth their runs, for a search
         that does not look at the probability itself: it can go on after them.
@@ -54,7 +50,6 @@ class VerdictOptions:
     """
 
     confidence: float = 0.95
-    doubt_to_stop: float = 0.5
     verify_from: float = 0.05
     resumptions: int = 8
     fresh_seeds: int = 3

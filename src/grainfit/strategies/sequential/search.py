@@ -151,6 +151,11 @@ class SequentialSearch(Search):
         return self._options.confidence
 
     @property
+    def looks(self) -> int:
+        """Runs of the search after the design: it looks after each."""
+        return max(0, self._sets_told - self._design_size)
+
+    @property
     def notices(self) -> Sequence[str]:
         """Widened intervals, why the search has ended, and how closely parameters are known."""
         if self._options.wanted_half_width is None or not (self._has_ended or self.finished):
@@ -310,7 +315,7 @@ class SequentialSearch(Search):
             misses,
             closest,
             spread=False,
-            confidence=self.confidence_to_stop,
+            confidence=self.confidence,
             costs=RunCosts(belief.problem, self.known),
         )
 
