@@ -215,6 +215,7 @@ def _of_target(
         noise=None if quality is None else quality.noise,
         fresh=verified.get(name, only),
         others=fresh.expected.get(name),
+        repeated=fresh.scatter.get(name),
         fresh_seeds=len(values),
         repeats=_repeats(problem, target, repeats),
         noise_range=None if quality is None else quality.noise_range,

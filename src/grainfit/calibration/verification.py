@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
-from statistics import fmean, stdev
+from statistics import fmean, stdev, variance
 
 from scipy.special import stdtrit
 
@@ -18,7 +18,7 @@ from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
-from grainfit.verdict.evidence import Expected, Verified
+from grainfit.verdict.evidence import Expected, Scatter, Verified
 from grainfit.verdict.reasons import NoRecordThere
 
 
@@ -37,6 +37,8 @@ class FreshRuns:
     expected : mapping of str to Expected
         What the runs without these lead to expect, outlying ones left out; empty where they are
         too few.
+    scatter : mapping of str to Scatter
+        Scatter of runs with equal parameters, by name of the target.
     no_record : sequence of NoRecordThere
         Tests whose runs are read from a table that has none at the answer.
     repeats_records : bool
@@ -49,6 +51,7 @@ class FreshRuns:
     evaluations: Sequence[Evaluation]
     search: Sequence[Evaluation] = ()
     expected: Mapping[str, Expected] = field(default_factory=dict)
+    scatter: Mapping[str, Scatter] = field(default_factory=dict)
     no_record: Sequence[NoRecordThere] = ()
     repeats_records: bool = False
     deterministic: tuple[str, ...] = ()
@@ -119,6 +122,7 @@ def fresh_runs(
         there,
         [one for one in others if one.proposal.stage != "verification"],
         _expected(problem, parameters, others) if there else {},
+        _scatter(problem, [*others, *there]) if there else {},
         repeats_records=not repetitions.deterministic
         and any(one.proposal.seed in stale for one in there),
         deterministic=repetitions.deterministic,
@@ -136,6 +140,23 @@ def _expected(
     names = [target.name for target in problem.targets]
     found = zip(names, means[0].tolist(), variances[0].tolist(), strict=True)
     return {name: Expected(mean, sqrt(variance)) for name, mean, variance in found}
+
+
+def _scatter(problem: Problem, evaluations: Sequence[Evaluation]) -> dict[str, Scatter]:
+    """Return the pooled scatter of runs with equal parameters."""
+    found = {}
+    for target in problem.targets:
+        places: dict[tuple[float, ...], list[float]] = {}
+        for one in evaluations:
+            if target.name in one.responses:
+                place = tuple(one.proposal.parameters.values())
+                places.setdefault(place, []).append(one.responses[target.name].value)
+        repeated = [values for values in places.values() if len(values) > 1]
+        freedom = sum(len(values) - 1 for values in repeated)
+        if freedom > 1:
+            squares = sum((len(values) - 1) * variance(values) for values in repeated)
+            found[target.name] = Scatter(sqrt(squares / freedom), freedom)
+    return found
 
 
 def mean_with_interval(values: Sequence[float]) -> Verified:

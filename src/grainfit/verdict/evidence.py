@@ -45,6 +45,22 @@ class Expected:
 
 
 @dataclass(frozen=True)
+class Scatter:
+    """Standard deviation between runs that differ in their seed only, by these runs alone.
+
+    Parameters
+    ----------
+    standard_deviation : float
+        Pooled over all parameter sets that were run more than once.
+    freedom : int
+        Its degrees of freedom.
+    """
+
+    standard_deviation: float
+    freedom: int
+
+
+@dataclass(frozen=True)
 class TargetEvidence:
     """Prediction at the answer for a target, or for a component of a curve.
 
@@ -66,6 +82,8 @@ class TargetEvidence:
         Mean of at least two fresh seeds; of a deterministic model, the response itself.
     others : Expected, optional
         What the runs without the fresh seeds lead to expect; None where they are too few.
+    repeated : Scatter, optional
+        Scatter of runs with equal parameters; None where there are none.
     fresh_seeds : int
         Number of fresh seeds that gave the response.
     test : str
@@ -95,6 +113,7 @@ class TargetEvidence:
     noise: float | None
     fresh: Verified | None = None
     others: Expected | None = None
+    repeated: Scatter | None = None
     fresh_seeds: int = 0
     test: str = ""
     repeats: int = 1

@@ -8,7 +8,7 @@ import numpy as np
 #: answers exactly on the edge of a tolerance, as many pass after all looks as after a single one
 #: with all of the doubt (`benchmarks/stopping.py`).
 LOOKS = (0, 1, 2, 3, 5, 8, 12, 20, 30, 45, 70)
-SHARES = (1.0, 0.65, 0.51, 0.41, 0.32, 0.25, 0.20, 0.16, 0.14, 0.12, 0.10)
+SHARES = (1.0, 0.65, 0.50, 0.41, 0.32, 0.26, 0.21, 0.16, 0.14, 0.11, 0.10)
 
 
 def confidence_after(looks: int, confidence: float) -> float:

@@ -40,8 +40,8 @@ class VerdictOptions:
         Standard errors between fresh seeds and the other runs that contradict each other. By
         chance it happens in 3 of 1,000 checks.
     excluded : float
-        Error with which the fresh seeds alone, by their own scatter, may exclude that a target is
-        met.
+        Error with which the fresh seeds alone, by the scatter of runs that differ in their seed
+        only, may exclude that a target is met.
     negligible : float
         Deviation, in tolerances, that contradicts nothing: without scatter, any is significant.
     useless_scatter : float

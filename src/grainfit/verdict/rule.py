@@ -9,7 +9,14 @@ from typing import Literal
 
 from scipy.special import stdtrit
 
-from grainfit.verdict.evidence import CurveEvidence, Evidence, Expected, TargetEvidence, Verified
+from grainfit.verdict.evidence import (
+    CurveEvidence,
+    Evidence,
+    Expected,
+    Scatter,
+    TargetEvidence,
+    Verified,
+)
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.reasons import (
     AtEdge,
@@ -30,9 +37,6 @@ from grainfit.verdict.reasons import (
     TwoStates,
     UselessScatter,
 )
-
-#: Two runs of one seed each agree by chance too often.
-_FEWEST_THAT_EXCLUDE = 3
 
 Status = Literal["calibrated", "undecided", "out_of_tolerance", "unreachable", "interrupted"]
 Verdict = Literal["met", "in doubt", "missed"]
@@ -120,30 +124,23 @@ def is_contradicted(target: TargetEvidence) -> bool:
     if target.is_deterministic and not target.curve:
         # Its run is the response there, whatever the metamodel expects.
         return abs(target.fresh.mean - target.value) > target.tolerance
-    if excludes(target.fresh, target.value, target.tolerance):
+    if target.repeated is not None and excludes(target, target.fresh, target.repeated):
         return True
     if target.others is None:
         return False
     return contradicts(target.fresh, target.others, target.noise, target.tolerance)
 
 
-def excludes(fresh: Verified, value: float, tolerance: float) -> bool:
+def excludes(target: TargetEvidence, fresh: Verified, scatter: Scatter) -> bool:
     """Return whether the fresh seeds alone exclude that a target is met.
 
-    Where a metamodel takes a cliff for scatter, its noise is large, and little contradicts it.
-
-    Parameters
-    ----------
-    fresh : Verified
-        Mean of the fresh seeds.
-    value, tolerance : float
-        Measured value and largest accepted deviation.
+    Where a metamodel takes a cliff for scatter, its noise is large, and little contradicts it. Runs
+    that differ in their seed only know nothing of the cliff.
     """
-    if fresh.runs < _FEWEST_THAT_EXCLUDE:
-        return False
-    beyond = abs(fresh.mean - value) - tolerance
-    limit = float(stdtrit(fresh.runs - 1, 1 - VERDICT.excluded / 2))
-    return beyond > max(limit * fresh.standard_error, VERDICT.negligible * tolerance)
+    beyond = abs(fresh.mean - target.value) - target.tolerance
+    limit = float(stdtrit(scatter.freedom, 1 - VERDICT.excluded / 2))
+    error = limit * scatter.standard_deviation / math.sqrt(fresh.runs)
+    return beyond > max(error, VERDICT.negligible * target.tolerance)
 
 
 def contradicts(fresh: Verified, others: Expected, noise: float, tolerance: float) -> bool:
