@@ -14,9 +14,12 @@ import grainfit as gf
 from grainfit.analysis.analysis import analyse_parameters
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target, TestScope
 from grainfit.strategies import messages
 from grainfit.strategies.base import Search
+from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.strategy_contract import converse, failed, heap_problem, nearly_quiet
 
@@ -144,6 +147,24 @@ def test_the_half_widths_that_are_stated_are_those_of_the_report(seed: int) -> N
 
     stated = {n: float(w) / 100 for w, n in re.findall(r"±(\S+) % for (\w+)", search.notices[0])}
     assert stated == pytest.approx(reported, rel=0.12)
+
+
+def test_half_widths_reach_bounds_as_the_intervals_do() -> None:
+    """Nearly all of a narrow interval agrees, so the 95 % interval is all of it."""
+    narrow = Parameter("x", 0.95 * TRUTH["x"], 1.05 * TRUTH["x"])
+    problem = replace(ridge(), parameters=[narrow, Parameter("y", 0.0, 1.0)])
+    random = np.random.default_rng(1)
+    points = [problem.from_unit(point) for point in random.random((14, 2))]
+    runs = [simulate(Proposal(point, seed, "design")) for seed, point in enumerate(points)]
+    answer = problem.to_unit(TRUTH)
+    knowledge = ParameterKnowledge(
+        Metamodels.fit(problem, runs), FeasibilityModel(problem, runs), answer, 0.3, (1,)
+    )
+
+    found = analyse_parameters(problem, runs, answer=TRUTH).intervals["x"]
+
+    assert (found.low, found.high) == problem.intervals["x"]
+    assert knowledge.half_widths["x"] == pytest.approx(0.05)
 
 
 def test_the_result_of_a_calibration_says_what_was_reached() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 
@@ -26,8 +26,6 @@ from grainfit.verdict.out_of_reach import Bound, OutOfReach
 
 #: A value nearer to a bound than this share of the interval counts as on it.
 _ON_BOUND = 0.01
-#: Largest difference between two misfits that count as equal, in squared tolerances.
-_AS_GOOD, _WORSE = 1.0, 4.0
 
 
 @dataclass(frozen=True)
@@ -60,9 +58,6 @@ class Answer:
         Targets that no parameter set within the intervals meets.
     quality : mapping of str to MetamodelQuality
         By name of the target.
-    cut_off : mapping of str to {"min", "max"}
-        Parameters with a bound that cuts off the parameter sets that agree with the measurements:
-        more may agree beyond it.
     reduction : Reduction, optional
         Reduction of the measured curves, whose components are among the targets; None when there
         are no curves.
@@ -82,7 +77,6 @@ class Answer:
     runs_by_worth: tuple[str, ...] = ()
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
-    cut_off: Mapping[str, Bound] = field(default_factory=dict)
     reduction: Reduction | None = None
 
     def reduced(
@@ -98,7 +92,6 @@ def make_answer(
     metamodels: Metamodels,
     parameters: Mapping[str, float],
     out_of_reach: Sequence[OutOfReach],
-    closest: NDArray[np.float64],
     *,
     spread: bool = True,
     confidence: float = VERDICT.confidence,
@@ -106,9 +99,9 @@ def make_answer(
 ) -> Answer:
     """Make an answer from a parameter set and the metamodels' predictions for it.
 
-    ``closest`` is the point of the unit cube where they meet the targets best; ``spread`` is True
-    if the runs are spread by a design, see `Kriging.warnings`; ``confidence`` is the demanded
-    probability that every target is met; ``costs`` are those of the runs of several tests.
+    ``spread`` is True if the runs are spread by a design, see `Kriging.warnings`; ``confidence`` is
+    the demanded probability that every target is met; ``costs`` are those of the runs of several
+    tests.
     """
     point: NDArray[np.float64] = metamodels.problem.to_unit(parameters)
     means, variances = metamodels.predict(point)
@@ -130,7 +123,6 @@ def make_answer(
         runs_by_worth=_runs_by_worth(metamodels, point, confidence, costs),
         out_of_reach=tuple(out_of_reach),
         quality=_quality_at(metamodels, point, spread),
-        cut_off=dict(_cut_off(metamodels, closest)),
         reduction=metamodels.reduction if metamodels.reduction.bases else None,
     )
 
@@ -154,18 +146,6 @@ def bound_at(position: float) -> Bound | None:
     if _ON_BOUND <= position <= 1 - _ON_BOUND:
         return None
     return "min" if position < _ON_BOUND else "max"
-
-
-def _cut_off(metamodels: Metamodels, closest: NDArray[np.float64]) -> Iterator[tuple[str, Bound]]:
-    least = float(metamodels.misfit(closest[None])[0])
-    for axis, parameter in enumerate(metamodels.problem.parameters):
-        ends = np.array([closest, closest])
-        ends[:, axis] = 0.0, 1.0
-        low, high = metamodels.misfit(ends) - least
-        if low <= _AS_GOOD and high >= _WORSE:
-            yield parameter.name, "min"
-        elif high <= _AS_GOOD and low >= _WORSE:
-            yield parameter.name, "max"
 
 
 def metamodel_quality(
@@ -245,4 +225,4 @@ def answer_from_runs(
     points = np.array([problem.to_unit(values) for values in tried])
     best = int(np.argmin(metamodels.misfit(points)))
     costs = RunCosts(problem, evaluations)
-    return make_answer(metamodels, parameters or tried[best], (), points[best], costs=costs)
+    return make_answer(metamodels, parameters or tried[best], (), costs=costs)

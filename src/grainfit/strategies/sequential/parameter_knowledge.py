@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.importance_sampling import (
     importance_sample,
     representatives,
@@ -190,8 +191,8 @@ class ParameterKnowledge:
         weights = self._weights(errors)
         columns = self._sample.points.T
         ends = np.array([weighted_quantiles(column, weights, _TAILS) for column in columns])
-        low = np.minimum(ends[:, 0], self._answer)
-        high = np.maximum(ends[:, 1], self._answer)
+        low, high = extended_to_bounds(*ends.T)
+        low, high = np.minimum(low, self._answer), np.maximum(high, self._answer)
         lowest, highest, value = (
             np.array(list(self._problem.from_unit(point).values()))
             for point in (low, high, self._answer)

@@ -308,12 +308,10 @@ class SequentialSearch(Search):
             raise AssertionError("metamodels that can be fitted make a belief")
         misses = belief.misses if self._rule.is_out_of_reach(belief) else ()
         chosen = parameters or belief.problem.from_unit(belief.answer)
-        closest = belief.answers.closest[0]
         return make_answer(
             belief.metamodels,
             chosen,
             misses,
-            closest,
             spread=False,
             confidence=self.confidence,
             costs=RunCosts(belief.problem, self.known),

@@ -147,11 +147,8 @@ class StagedSearch(BatchSearch):
     def answer(self, parameters: Mapping[str, float] | None = None) -> Answer:
         """Return the simulated parameter set with the smallest expected misfit."""
         metamodels = self._metamodels()
-        closest = fit_on_metamodels(metamodels, self.seed)
         if parameters is not None:
-            return make_answer(
-                metamodels, parameters, self._out_of_reach, closest, costs=self._costs
-            )
+            return make_answer(metamodels, parameters, self._out_of_reach, costs=self._costs)
         candidates = [dict(e.proposal.parameters) for e in self._successful()]
         if not candidates:
             raise RunFailedError(messages.NO_ANSWER())
@@ -161,7 +158,7 @@ class StagedSearch(BatchSearch):
             for known in zip(candidates, means, variances, strict=True)
         ]
         best = candidates[int(np.argmin(misfits))]
-        return make_answer(metamodels, best, self._out_of_reach, closest, costs=self._costs)
+        return make_answer(metamodels, best, self._out_of_reach, costs=self._costs)
 
     @property
     def _costs(self) -> RunCosts:
