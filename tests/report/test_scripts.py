@@ -7,7 +7,8 @@ import shlex
 import contexts
 import numpy as np
 import pytest
-from scipy.stats import norm, qmc
+from scipy.special import stdtr
+from scipy.stats import qmc
 
 import needs
 from grainfit.formatting import number, rounded
@@ -122,7 +123,7 @@ def test_the_page_finds_the_probability_that_all_agree() -> None:
         return data.points.map((point) => models.reduce((share, model, i) => {
             const [target, tolerance] = data.targets[i];
             const predicted = grainfitKriging.predict(model, point);
-            return share * grainfitKriging.probability(predicted, target, tolerance);
+            return share * grainfitKriging.probability(model, predicted, target, tolerance);
         }, 1));
         """,
         data,
@@ -133,12 +134,15 @@ def test_the_page_finds_the_probability_that_all_agree() -> None:
     np.testing.assert_allclose(found, expected, atol=1e-9)
 
 
-def test_the_normal_distribution_is_right_far_into_its_tails() -> None:
-    places = [-9.0, -7.5, -3.0, -0.1, 0.0, 0.1, 3.0, 7.5, 9.0]
+@pytest.mark.parametrize("freedom", [1, 2, 5, 30, 400])
+def test_the_distribution_of_student_is_right_far_into_its_tails(freedom: int) -> None:
+    places = [-90.0, -7.5, -3.0, -0.1, 0.0, 0.1, 3.0, 7.5, 90.0]
     found = contexts.in_node(
-        "return data.places.map(grainfitKriging.normal);", {"places": places}, "kriging.js"
+        "return data.places.map((x) => grainfitKriging.student(x, data.freedom));",
+        {"places": places, "freedom": freedom},
+        "kriging.js",
     )
-    np.testing.assert_allclose(found, norm.cdf(places), atol=1e-15)
+    np.testing.assert_allclose(found, stdtr(freedom, places), rtol=1e-9, atol=1e-14)
 
 
 def test_numbers_are_written_as_in_the_rest_of_the_page() -> None:

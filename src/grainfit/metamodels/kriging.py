@@ -536,8 +536,9 @@ class Kriging:
         Returns
         -------
         dict
-            ``offset``, ``scale``, ``inflation`` (numbers); ``points`` (n lists of d numbers),
-            ``values`` and ``known_noise`` of the runs (n), in units of the scale;
+            ``offset``, ``scale``, ``inflation``, ``degrees_of_freedom`` (numbers); ``points`` (n
+            lists of d numbers), ``values`` and ``known_noise`` of the runs (n), in units of the
+            scale;
             ``noise_ratios`` of the runs (n), unless all are 1; and ``components``, one
             dictionary for each set of hyperparameters: ``weight``, ``signal_variance``,
             ``noise_variance`` (numbers); ``ranges`` (d); ``trend_columns`` (q - 1 indices of
@@ -562,7 +563,8 @@ class Kriging:
         Then, sums over the components with their weights w:
 
         - ``m = sum w mean`` and ``s = inflation sum w variance + sum w (mean - m)^2``;
-        - the expected response is ``offset + scale m``, its variance ``scale^2 s``.
+        - the expected response is ``offset + scale m``, its variance ``scale^2 s``, and its error
+          over ``sqrt(scale^2 s / inflation)`` is Student's with these degrees of freedom.
 
         The factors are those of universal Kriging: of the k of all points among themselves, with
         ``noise_variance`` times ``noise_ratios`` and ``known_noise`` added on the diagonal, and of
@@ -573,6 +575,7 @@ class Kriging:
             "offset": self._offset,
             "scale": self._scale,
             "inflation": self._inflation,
+            "degrees_of_freedom": self._degrees_of_freedom,
             "points": self._components[0].points.tolist(),
             "values": self._components[0].values.tolist(),
             "known_noise": self._components[0].known_noise.tolist(),

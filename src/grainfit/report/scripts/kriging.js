@@ -157,6 +157,7 @@
       offset: plain.offset,
       scale: plain.scale,
       inflation: plain.inflation,
+      freedom: plain.degrees_of_freedom,
       components: plain.components.map((component) => ({
         weight: component.weight,
         signal: component.signal_variance,
@@ -390,26 +391,64 @@
     return grid;
   }
 
-  // Normal distribution function (Marsaglia 2004, J. Stat. Softw. 11(4)).
-  function normal(x) {
-    if (Math.abs(x) > 8) {
-      return x > 0 ? 1 : 0;
+  // Logarithm of the gamma function (Lanczos 1964, with the coefficients of Godfrey 2001).
+  function logarithmOfGamma(x) {
+    const coefficients = [
+      57.156235665862923517, -59.597960355475491248, 14.136097974741747174,
+      -0.49191381609762019978, 0.33994649984811888699e-4, 0.46523628927048575665e-4,
+      -0.98374475304879564677e-4, 0.15808870322491248884e-3, -0.21026444172410488319e-3,
+      0.21743961811521264320e-3, -0.16431810653676389022e-3, 0.84418223983852743293e-4,
+      -0.26190838401581408670e-4, 0.36899182659531622704e-5,
+    ];
+    const shifted = x + 5.2421875;
+    const sum = coefficients.reduce(
+      (total, coefficient, k) => total + coefficient / (x + k + 1),
+      0.999999999999997092,
+    );
+    return (x + 0.5) * Math.log(shifted) - shifted + Math.log((2.5066282746310005 * sum) / x);
+  }
+
+  // Regularised incomplete beta function, by its continued fraction (Abramowitz & Stegun 26.5.8).
+  function incompleteBeta(x, a, b) {
+    if (x <= 0 || x >= 1) {
+      return x <= 0 ? 0 : 1;
     }
-    let sum = x;
-    let term = x;
-    for (let k = 3; Math.abs(term) > 1e-17 * Math.abs(sum); k += 2) {
-      term *= (x * x) / k;
-      sum += term;
+    if (x > (a + 1) / (a + b + 2)) {
+      return 1 - incompleteBeta(1 - x, b, a);
     }
-    return 0.5 + sum * Math.exp(-0.5 * x * x - 0.91893853320467274178);
+    let above = 1;
+    let below = 1 / (1 - ((a + b) * x) / (a + 1));
+    let fraction = below;
+    for (let m = 1; m < 1000; m += 1) {
+      const before = fraction;
+      const even = (m * (b - m) * x) / ((a + 2 * m - 1) * (a + 2 * m));
+      const odd = (-(a + m) * (a + b + m) * x) / ((a + 2 * m) * (a + 2 * m + 1));
+      [even, odd].forEach((step) => {
+        below = 1 / (1 + step * below);
+        above = 1 + step / above;
+        fraction *= below * above;
+      });
+      if (Math.abs(fraction - before) < 1e-16 * fraction) {
+        break;
+      }
+    }
+    const logarithm = logarithmOfGamma(a + b) - logarithmOfGamma(a) - logarithmOfGamma(b);
+    return (fraction / a) * Math.exp(logarithm + a * Math.log(x) + b * Math.log1p(-x));
+  }
+
+  // Student's distribution function.
+  function student(x, freedom) {
+    const tail = 0.5 * incompleteBeta(freedom / (freedom + x * x), freedom / 2, 0.5);
+    return x > 0 ? 1 - tail : tail;
   }
 
   // Probability that an expected response is within its tolerance (Metamodels.probability_all_met).
-  function probability(predicted, target, tolerance) {
+  function probability(model, predicted, target, tolerance) {
+    const below = (off) => student(off * Math.sqrt(model.inflation), model.freedom);
     const error = Math.sqrt(Math.max(predicted.variance, (1e-12 * tolerance) ** 2));
     const off = predicted.mean - target;
-    return normal((tolerance - off) / error) - normal((-tolerance - off) / error);
+    return below((tolerance - off) / error) - below((-tolerance - off) / error);
   }
 
-  globalThis.grainfitKriging = { prepare, factorise, predict, meanGrid, probability, normal };
+  globalThis.grainfitKriging = { prepare, factorise, predict, meanGrid, probability, student };
 })();

@@ -60,7 +60,7 @@ document.addEventListener("DOMContentLoaded", () => {
       let together = 1;
       this.data.responses.forEach((response, i) => {
         const predicted = predict(this.models[i], point);
-        together *= probability(predicted, response.target, response.tolerance);
+        together *= probability(this.models[i], predicted, response.target, response.tolerance);
         this.showResponse(response, i, predicted);
       });
       const shown = this.place.querySelector("[data-agreement]");

@@ -232,7 +232,7 @@
               mean: interpolate(means, MEANS, at[column], at[row]),
               variance: interpolate(variances[i], VARIANCES, at[column], at[row]),
             };
-            found[k] *= probability(predicted, response.target, response.tolerance);
+            found[k] *= probability(this.models[i], predicted, response.target, response.tolerance);
           }
         }
       });
