@@ -304,8 +304,13 @@ class CalibrationLoop:
             and not answer.out_of_reach
             and (left is None or left > 0)
             and answer.probability_all_met >= least
-            and answer.runs_needed <= self._affordable
+            and (answer.runs_needed <= self._affordable or self._may_be_moved(outcome))
         )
+
+    def _may_be_moved(self, outcome: JudgedAnswer) -> bool:
+        """Return whether a search that does not look at the probability learns from fresh seeds."""
+        goes_on = self._strategy.verify_from <= VERDICT.verify_from
+        return goes_on and self._affordable > 0 and any(outcome.judgement.lacking.values())
 
     @property
     def _affordable(self) -> int:
@@ -431,7 +436,8 @@ class CalibrationLoop:
             if "" in fresh.deterministic:
                 return [None] * missing[""]
             lacking = fewest - fresh.count
-            count = max(lacking, min(answer.runs_needed, workers), answer.runs_needed // _PART, 1)
+            part = min(answer.runs_needed // _PART, self._affordable)
+            count = max(lacking, min(answer.runs_needed, workers), part, 1)
             return [None] * (count if left is None else min(count, max(left, 1)))
         wanted = [test for test, count in missing.items() for _ in range(count)]
         problem, _ = answer.reduced(self._problem, ())
