@@ -245,6 +245,22 @@ def just_out_of_reach(value: float, tolerance: float) -> gf.Problem:
     )
 
 
+@pytest.mark.parametrize("strategy", ["sequential", "staged"])
+def test_what_is_reported_was_simulated_with_fresh_seeds_to_the_last_digit(strategy: str) -> None:
+    result = gf.calibrate(problem(), drum, strategy=strategy, seed=3)
+    assert result.status == "calibrated"
+    there = [
+        run
+        for run in result.history
+        if run.stage == "verification" and run.parameters == result.parameters
+    ]
+    assert len({run.seed for run in there}) >= 3
+    assert all(float(f"{value:.4g}") == value for value in result.parameters.values())
+    angle = result.responses["angle_10rpm"]
+    assert set(angle.verified_seeds) <= {run.seed for run in there}
+    assert angle.jams_not_excluded == pytest.approx(1 - 0.05 ** (1 / len(result.history)))
+
+
 def test_a_target_just_out_of_reach_is_never_called_calibrated() -> None:
     for seed in (7, 8, 9):
         result = gf.calibrate(just_out_of_reach(30.8, 0.5), scattered, max_runs=40, seed=seed)

@@ -137,6 +137,19 @@ def test_a_tolerance_far_below_the_noise_ends_it_with_the_runs_it_would_take(see
     assert 8000 / 4 < search.answer().runs_needed < 8000 * 4
 
 
+@pytest.mark.parametrize("seed", [2, 3])
+def test_an_answer_on_the_edge_of_a_tolerance_ends_it_soon(seed: int) -> None:
+    # At the upper bound the response is one tolerance below its target.
+    edge = Problem([Parameter("x", 0.0, 1.0)], [Target("y", 11.0, tolerance=1.0)])
+
+    def simulate(proposal: Proposal) -> Evaluation:
+        noise = 0.5 * np.random.default_rng(proposal.seed).standard_normal()
+        return Evaluation.of(proposal, {"y": 10.0 * proposal.parameters["x"] + noise})
+
+    search = Sequential().start(edge, seed)
+    assert len(converse(search, simulate)) <= search.design_runs + 15
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_budget_that_was_given_is_used_to_its_end(seed: int) -> None:
     search = Sequential().start(FLOOR, seed, 14)

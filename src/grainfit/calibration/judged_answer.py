@@ -220,7 +220,8 @@ def _of_target(
         repeats=_repeats(problem, target, repeats),
         noise_range=None if quality is None else quality.noise_range,
         has_two_states=quality is not None and quality.has_two_states,
-        outlying=_outlying(target, outliers) if outliers else None,
+        # Another seed changes nothing there: what does not belong to the others is a regime.
+        outlying=_outlying(target, outliers) if outliers and not is_deterministic else None,
         curve=next((basis.target.name for basis in curves if name in basis.names), ""),
         is_deterministic=is_deterministic,
     )

@@ -32,7 +32,7 @@ class VerdictOptions:
         Expected deviation, in tolerances, from which an answer lies on the edge of a tolerance, and
         beyond it: the runs that would decide it grow with the inverse square of the distance.
     enough_at_edge : int
-        Runs near an answer that more runs would not confirm, after which a search ends.
+        Runs after the design with which a search ends whose best is on an edge.
     quiet, fewest_of_quiet : float, int
         Scatter of a response, in tolerances, up to which one of several tests needs only so many
         fresh seeds: two runs then agree by chance with the same error once in 10,000 times.
@@ -57,7 +57,7 @@ class VerdictOptions:
     most_planned: int = 24
     edge: float = 0.9
     beyond_edge: float = 1.1
-    enough_at_edge: int = 12
+    enough_at_edge: int = 15
     quiet: float = 0.25
     fewest_of_quiet: int = 2
     contradiction: float = 3.0

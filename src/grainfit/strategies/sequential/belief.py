@@ -18,6 +18,7 @@ from grainfit.strategies.sequential.answer_search import AnswerSearch
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.options import SequentialOptions
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
+from grainfit.verdict.options import VERDICT
 from grainfit.verdict.out_of_reach import OutOfReach
 
 Array = NDArray[np.float64]
@@ -26,8 +27,6 @@ Array = NDArray[np.float64]
 LIKELY = 0.5
 #: The closest point counts as no answer when it misses a target by as many standard errors.
 _SEEMS_MISSED = 1.65
-#: Largest distance, as a share of every interval, of runs that tell of the same place.
-_THERE = 0.05
 #: A target must be missed by this many standard errors, because it is checked after every run.
 STANDARD_ERRORS = 3.0
 
@@ -65,9 +64,9 @@ class Belief:
         self._seed = seed
         self._options = options
         self._confidence_to_stop = confidence_to_stop
-        self._runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
+        runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
         self._seeds = (seed, len(known))
-        self.answers = AnswerSearch(self.metamodels, self.feasibility, self._runs, self._seeds)
+        self.answers = AnswerSearch(self.metamodels, self.feasibility, runs, self._seeds)
 
     @cached_property
     def misses(self) -> tuple[OutOfReach, ...]:
@@ -144,10 +143,12 @@ class Belief:
         return self.metamodels.runs_needed(self.answers.closest[0], confidence)
 
     @property
-    def runs_at_closest(self) -> int:
-        """Number of runs at the closest point, or so near that they tell of it."""
-        apart = np.abs(self._runs - self.answers.closest[0]).max(axis=1)
-        return int((apart <= _THERE).sum())
+    def is_at_edge(self) -> bool:
+        """Whether even the closest point is expected at the edge of a tolerance, or beyond it."""
+        targets = self.problem.targets
+        means = self.metamodels.predict(self.answers.closest[:1])[0][0]
+        off = np.abs(means - [t.value for t in targets]) / [t.tolerance for t in targets]
+        return bool(off.max() >= VERDICT.edge)
 
     @property
     def scatter(self) -> float:

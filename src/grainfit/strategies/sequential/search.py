@@ -54,8 +54,6 @@ Array = NDArray[np.float64]
 DESIGN_RUNS = 1.5
 #: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
-#: Runs after the design before a target can be called out of reach.
-_RUNS_TO_CONFIRM = 2
 _TRIES_OF_A_MACHINE = 3
 #: Runs that usually follow the design where the scatter is small, verification included.
 _USUAL_AFTER_DESIGN = 5
@@ -381,7 +379,7 @@ class SequentialSearch(Search):
         return StoppingRule(
             confidence=self.confidence_to_stop,
             demanded=self.confidence,
-            is_confirmed=len(self._told) >= self._design_size + _RUNS_TO_CONFIRM,
+            runs_behind=len(self._told) - self._design_size,
             runs_left=None if has_budget else self._allowed - self._sets_told,
         )
 

@@ -9,6 +9,8 @@ from grainfit.strategies import messages
 from grainfit.strategies.sequential.belief import Belief
 from grainfit.verdict.options import VERDICT
 
+#: Runs after the design before a target can be called out of reach.
+_RUNS_TO_CONFIRM = 2
 #: Smallest expected gain of the time step that justifies further runs.
 _GAIN_WORTH_RUNS = 0.05
 #: Without a budget, the search ends when all runs left would narrow the standard errors by less.
@@ -31,8 +33,8 @@ class StoppingRule:
         stops.
     demanded : float
         The same that the user demands; what does not even reach that is hopeless.
-    is_confirmed : bool
-        Whether enough runs have followed the design to call a target out of reach.
+    runs_behind : int
+        Runs that have followed the design.
     runs_left : int, optional
         Runs left; None when the user gave a budget. Then the search does not end at the noise
         floor before the budget is used.
@@ -40,7 +42,7 @@ class StoppingRule:
 
     confidence: float
     demanded: float
-    is_confirmed: bool
+    runs_behind: int
     runs_left: int | None
 
     def is_decided(self, belief: Belief) -> bool:
@@ -61,7 +63,7 @@ class StoppingRule:
 
     def is_out_of_reach(self, belief: Belief) -> bool:
         """Whether a target is out of reach of the intervals."""
-        return self.is_confirmed and bool(belief.misses)
+        return self.runs_behind >= _RUNS_TO_CONFIRM and bool(belief.misses)
 
     def final_notices(self, belief: Belief) -> list[str]:
         """Tell the user why the search has ended, unless it is obvious."""
@@ -89,5 +91,6 @@ class StoppingRule:
         runs_left = self.runs_left + VERDICT.most_verification
         if belief.runs_needed(self.demanded) <= runs_left:
             return False
-        is_known = belief.runs_at_closest >= VERDICT.enough_at_edge
-        return is_known or belief.narrowing(runs_left) < _NARROWING_WORTH_RUNS
+        if belief.is_at_edge and self.runs_behind >= VERDICT.enough_at_edge:
+            return True
+        return belief.narrowing(runs_left) < _NARROWING_WORTH_RUNS
