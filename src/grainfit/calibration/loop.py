@@ -318,8 +318,13 @@ class CalibrationLoop:
         left = self._left()
         if left is not None:
             return left
-        done = math.ceil(_runs(self._evaluations) / self._campaign.runs_per_set)
-        return (self._strategy.limit or done) + VERDICT.most_verification - done
+        search = [one for one in self._evaluations if one.proposal.stage != "verification"]
+        usual = self._strategy.limit or self._sets(search)
+        return usual + VERDICT.most_verification - self._sets(self._evaluations)
+
+    def _sets(self, evaluations: Sequence[Evaluation]) -> int:
+        """Return the number of parameter sets that take as many runs, rounded up."""
+        return math.ceil(_runs(evaluations) / self._campaign.runs_per_set)
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
         """Return the answer that an earlier start was verifying when it ended."""
