@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 
 import pandas as pd
@@ -10,6 +11,7 @@ import plotly.graph_objects as go
 import pytest
 
 import grainfit as gf
+from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 
 FILE = """\
@@ -111,3 +113,15 @@ def test_a_packing_is_calibrated_from_python(tmp_path: Path) -> None:
     assert "property/global" in text or "variable" in text
     assert saved.report().is_file()
     assert saved.runs().attrs["units"]["bulk_density"] == "kg/m^3"
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        InputError([Fault("x.min", "is too large"), Fault("", "y is missing")], "a.toml"),
+        RunFailedError("no heap", "last line", "evaluation"),
+    ],
+)
+def test_an_error_comes_whole_from_another_process(error: Exception) -> None:
+    found = pickle.loads(pickle.dumps(error))
+    assert (str(found), vars(found)) == (str(error), vars(error))

@@ -83,6 +83,10 @@ class InputError(GrainfitError, ValueError):
         prefix = f"{source}: " if source else ""
         super().__init__("\n".join(f"{prefix}{fault}" for fault in self.faults))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[Sequence[Fault], str]]:
+        """Make it again of its faults: an exception is made of its text otherwise."""
+        return type(self), (self.faults, self.source)
+
 
 class SolverNotFoundError(GrainfitError):
     """A solver's program is not installed; the message says how to install it."""
