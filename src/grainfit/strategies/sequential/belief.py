@@ -144,11 +144,11 @@ class Belief:
 
     @property
     def is_at_edge(self) -> bool:
-        """Whether even the closest point is expected at the edge of a tolerance, or beyond it."""
+        """Whether the closest point is expected on the edge of a tolerance."""
         targets = self.problem.targets
         means = self.metamodels.predict(self.answers.closest[:1])[0][0]
         off = np.abs(means - [t.value for t in targets]) / [t.tolerance for t in targets]
-        return bool(off.max() >= VERDICT.edge)
+        return bool(VERDICT.edge <= off.max() <= VERDICT.beyond_edge)
 
     @property
     def scatter(self) -> float:
