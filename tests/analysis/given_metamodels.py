@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtr
 
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
@@ -23,6 +24,9 @@ class Given(Kriging):
     def predict(self, points) -> Prediction:
         variance = self._variance(points)
         return Prediction(self._mean(points), variance, variance)
+
+    def share_below(self, deviations) -> np.ndarray:
+        return ndtr(deviations)
 
     def mean(self, points) -> np.ndarray:
         return self._mean(points)

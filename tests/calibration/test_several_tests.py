@@ -107,9 +107,11 @@ def test_two_tests_calibrate_with_fewer_runs_of_the_precise_one(whole: gf.Result
     assert count["drop"] < count["heap"]
 
 
-def test_a_response_that_scatters_little_is_verified_by_two_fresh_seeds(whole: gf.Result) -> None:
-    assert len(whole.responses["drop.rebound"].verified_values) == 2
-    assert len(whole.responses["heap.angle"].verified_values) >= 3
+def test_a_response_that_scatters_little_is_verified_by_two_fresh_seeds() -> None:
+    # With few runs of the drop, its scatter is not known to be little, and three are made.
+    found = gf.calibrate(problem(), solvers(), seed=3).responses
+    assert len(found["drop.rebound"].verified_values) == 2
+    assert len(found["heap.angle"].verified_values) >= 3
 
 
 @pytest.mark.parametrize("interrupted_at", [7, "verification"])

@@ -104,8 +104,8 @@ def test_the_same_calibration_makes_no_run_and_chooses_its_answer_with_the_fresh
     asked = [(run.seed, dict(run.parameters)) for run in result.history]
     assert asked == made[: len(asked)]
     assert result.status == "calibrated"
-    # The five old fresh seeds gave 27.25 at 0.5836 for a target of 27: the answer moves down.
-    assert 0.57 < result.parameters["friction"] < before["parameters"]["friction"]
+    # An earlier start was verifying this answer, and what is verified is frozen.
+    assert result.parameters == before["parameters"]
 
     again = grainfit.calibrate(PROBLEM, solver, workdir=old, name="beads")
     assert (again.status, again.parameters) == (result.status, result.parameters)

@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from scipy.special import stdtrit
-
 from grainfit.verdict.evidence import (
     CurveEvidence,
     Evidence,
@@ -137,6 +135,9 @@ def excludes(target: TargetEvidence, fresh: Verified, scatter: Scatter) -> bool:
     Where a metamodel takes a cliff for scatter, its noise is large, and little contradicts it. Runs
     that differ in their seed only know nothing of the cliff.
     """
+    # Loaded late: to show a verdict takes no SciPy.
+    from scipy.special import stdtrit
+
     beyond = abs(fresh.mean - target.value) - target.tolerance
     limit = float(stdtrit(scatter.freedom, 1 - VERDICT.excluded / 2))
     error = limit * scatter.standard_deviation / math.sqrt(fresh.runs)
