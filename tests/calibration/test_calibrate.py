@@ -131,7 +131,7 @@ def test_started_again_nothing_is_repeated(tmp_path: Path, workers: int) -> None
     assert second.utilisation == 0
 
 
-@pytest.mark.parametrize("interrupted_at", [3, 7, 9, 13])
+@pytest.mark.parametrize("interrupted_at", [3, 7, 9, 11])
 def test_interrupted_and_started_again_it_asks_what_it_would_have_asked(
     tmp_path: Path, interrupted_at: int
 ) -> None:

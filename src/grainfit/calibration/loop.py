@@ -230,7 +230,7 @@ class CalibrationLoop:
             if self._strategy.resume_after_verification(self._left()):
                 self._run_strategy()
                 outcome = self._keep_or_move(outcome.answer.parameters)
-            if len(self._evaluations) == before:
+            if len(self._evaluations) == before or self._is_sure(outcome):
                 # Fresh seeds of a deterministic model are none, and the search has ended.
                 break
         return outcome
@@ -441,8 +441,8 @@ class CalibrationLoop:
             if "" in fresh.deterministic:
                 return [None] * missing[""]
             lacking = fewest - fresh.count
-            part = min(answer.runs_needed // _PART, self._affordable)
-            count = max(lacking, min(answer.runs_needed, workers), part, 1)
+            needed = answer.runs_needed if answer.runs_needed <= self._affordable else 0
+            count = max(lacking, min(needed, workers), needed // _PART, 1)
             return [None] * (count if left is None else min(count, max(left, 1)))
         wanted = [test for test, count in missing.items() for _ in range(count)]
         problem, _ = answer.reduced(self._problem, ())
