@@ -167,6 +167,7 @@ def test_run_forecasts_with_its_budget_what_check_forecasts(tmp_path: Path) -> N
     assert "angle_of_repose: recorded runs scatter by" in started
 
 
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize("budget", [None, 9, 12])
 def test_the_progress_begins_with_the_numbers_of_check(tmp_path: Path, budget: int | None) -> None:
     one = ("[[test]]", "[strategy]\nworkers = 1\n\n[[test]]")
@@ -193,7 +194,10 @@ def test_the_progress_begins_with_the_numbers_of_check(tmp_path: Path, budget: i
 def progress_of(file: Path, *given: str) -> str:
     """Start a calibration; return its output up to its first line of progress, and stop it."""
     words = [sys.executable, "-m", "grainfit", "run", file, "--no-report", *given]
-    with subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
+    # The work folder is made where the command is started.
+    with subprocess.Popen(
+        words, cwd=file.parent, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
+    ) as process:
         assert process.stderr is not None
         text = b""
         while b" to come" not in text and (line := process.stderr.readline()):
