@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import grainfit as gf
 from grainfit.errors import RunFailedError
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
@@ -150,3 +151,13 @@ def test_the_statistical_limit_is_that_of_students_distribution(kinds: ModuleTyp
     assert kinds.KINDS["exact line"](1).statistical_limit() == 5
     assert kinds.KINDS["scatter of four tolerances"](1).statistical_limit() > 69
     assert kinds.KINDS["conflict"](1).statistical_limit() is None
+
+
+def test_an_answer_that_its_only_possible_run_refutes_is_left_for_another(
+    kinds: ModuleType,
+) -> None:
+    # Without noise, more seeds at the first answer, just beyond its tolerance, tell nothing.
+    known = kinds.KINDS["exact threshold"](4)
+    result = gf.calibrate(known.problem, known.simulate, seed=4, workers=1)
+    assert result.status == "calibrated"
+    assert known.tolerances_off(result.parameters) <= 1.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -50,9 +51,13 @@ class JudgedAnswer:
         return self.judgement.status
 
     @property
-    def runs_to_confirm(self) -> int:
-        """Runs at the answer that would confirm it, as far as is known."""
-        return max(self.answer.runs_needed, *self.judgement.lacking.values())
+    def runs_to_confirm(self) -> float:
+        """Runs at the answer that would confirm it, as far as is known; infinite if none would."""
+        contradicted = self.judgement.contradicted
+        if any(one.is_deterministic for one in self.evidence.targets if one.name in contradicted):
+            return math.inf
+        again = self.evidence.fewest_fresh if contradicted else 0
+        return max(self.answer.runs_needed, again, *self.judgement.lacking.values())
 
     @property
     def reasons(self) -> tuple[Reason, ...]:
