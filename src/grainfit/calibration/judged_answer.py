@@ -53,8 +53,14 @@ class JudgedAnswer:
     @property
     def runs_to_confirm(self) -> float:
         """Runs at the answer that would confirm it, as far as is known; infinite if none would."""
-        contradicted = self.judgement.contradicted
-        if any(one.is_deterministic for one in self.evidence.targets if one.name in contradicted):
+        contradicted, confidence = self.judgement.contradicted, self.evidence.confidence
+        doubted = [
+            one
+            for one in self.evidence.targets
+            if one.name in contradicted or one.probability < confidence
+        ]
+        if any(one.is_deterministic and one.fresh is not None for one in doubted):
+            # Another seed gives the same.
             return math.inf
         again = self.evidence.fewest_fresh if contradicted else 0
         return max(self.answer.runs_needed, again, *self.judgement.lacking.values())
