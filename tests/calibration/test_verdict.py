@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import grainfit as gf
-from grainfit.calibration.judged_answer import JudgedAnswer, judge_answer
+from grainfit.calibration.judged_answer import Demands, JudgedAnswer, judge_answer
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.curve_reduction import CurveBasis, Reduction
@@ -36,6 +36,7 @@ PROBLEM = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [ANGLE])
 FRESH = FreshRuns(
     {"angle": {1: 29.9, 2: 30.0, 3: 30.2}}, (), expected={"angle": Expected(30.0, 0.3)}
 )
+DEMANDS = Demands(0.95, 3, {})
 OUTLIERS = Outliers((3,), (-6.0,), tuple((x / 20,) for x in range(20)), (4711,))
 RESULT = gf.Result(
     "undecided", {}, {}, RunCounts(), None, None, None, 1.0, 0.9, 0.3, "", "", "sequential", 1, "0"
@@ -68,7 +69,7 @@ def judged(
     problem: gf.Problem = PROBLEM,
     **changes: Any,
 ) -> JudgedAnswer:
-    return judge_answer(problem, answer(probability, **changes), fresh, 0.95, 3)
+    return judge_answer(problem, answer(probability, **changes), fresh, DEMANDS)
 
 
 @pytest.mark.parametrize(
@@ -192,7 +193,9 @@ def test_a_response_whose_scatter_makes_it_useless_is_named_with_the_runs_it_tak
 
 
 def test_with_several_seeds_per_evaluation_words_count_runs() -> None:
-    scatter, useless = judge_answer(PROBLEM, answer(0.5), FRESH, 0.95, 3, {"heap": 4}).reasons
+    scatter, useless = judge_answer(
+        PROBLEM, answer(0.5), FRESH, Demands(0.95, 3, {"heap": 4})
+    ).reasons
     assert "about 48 more runs at the answer: one mean of 4 runs scatters by 0.8" in str(scatter)
     # A single run scatters by 1.6: 3.2 times the tolerance.
     assert "the mean of about 11 runs" in str(useless)
@@ -237,7 +240,7 @@ def test_fresh_curves_that_contradict_all_runs_are_named_by_curve_and_points() -
     known = answer_on_a_curve(reduction, 0.99)
     expected = {name: Expected(value, 0.2) for name, value in known.predicted.items()}
     runs = FreshRuns(fresh, (), expected=expected)
-    [reason] = judge_answer(reduction.problem, known, runs, 0.95, 3).reasons
+    [reason] = judge_answer(reduction.problem, known, runs, DEMANDS).reasons
     assert (reason.kind, reason.curve, reason.runs) == ("curve contradicted", "stress", 3)
     assert str(reason.miss) == messages.CURVE_MISS(
         deviation="8.2",
@@ -250,7 +253,9 @@ def test_noise_of_a_curve_is_named_by_the_curve_and_where_it_is_largest() -> Non
     reduction = reduced_curve()
     fresh = FreshRuns({name: {} for name in (*reduction.bases[0].names, "angle")}, ())
     known = answer_on_a_curve(reduction, 0.8)
-    words = " ".join(map(str, judge_answer(reduction.problem, known, fresh, 0.95, 2).reasons))
+    words = " ".join(
+        map(str, judge_answer(reduction.problem, known, fresh, Demands(0.95, 2, {})).reasons)
+    )
     assert (
         "one run scatters by 1 σ of the measured points in stress (root mean "
         "square, most at strain = 0.04). A larger uncertainty of the measured points, a larger "

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grainfit.calibration.repetitions import Repetitions
-from grainfit.calibration.verification import FreshRuns, fresh_runs, mean_with_interval
+from grainfit.calibration.verification import FreshRuns, fresh_runs
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.outliers import Outliers
@@ -20,8 +20,6 @@ from grainfit.verdict.evidence import CurveEvidence, Evidence, TargetEvidence, V
 from grainfit.verdict.out_of_reach import CurveMiss
 from grainfit.verdict.reasons import NoisyCurve, NoRecordThere, OutlyingRuns, Reason
 from grainfit.verdict.rule import Judgement, Status, judge, reasons_for
-
-_FEWEST_OF_MEAN = 2
 
 
 @dataclass(frozen=True)
@@ -121,14 +119,7 @@ def judge_by_runs(
     spent: set[int] = set()
     while True:
         fresh = fresh_runs(problem, answer.parameters, evaluations, repetitions, spent)
-        judged = judge_answer(
-            problem,
-            answer,
-            replace(fresh, no_record=no_record),
-            demands.confidence,
-            demands.fewest_fresh,
-            demands.repeats,
-        )
+        judged = judge_answer(problem, answer, replace(fresh, no_record=no_record), demands)
         contradicting = _first_contradicting(problem, judged, demands.fewest_fresh)
         if not contradicting:
             return judged
@@ -150,9 +141,7 @@ def judge_answer(
     problem: Problem,
     answer: Answer,
     fresh: FreshRuns,
-    confidence: float,
-    fewest_fresh: int,
-    repeats: Mapping[str, int] | None = None,
+    demands: Demands,
 ) -> JudgedAnswer:
     """Judge an answer, see `grainfit.verdict.rule`.
 
@@ -164,28 +153,25 @@ def judge_answer(
         The answer, described by all runs.
     fresh : FreshRuns
         Runs with fresh seeds at the answer.
-    confidence : float
-        Demanded probability.
-    fewest_fresh : int
-        Number of fresh seeds without which no answer is calibrated.
-    repeats : mapping of str to int, optional
-        Runs with different seeds whose mean is one evaluation, by name of the test.
+    demands : Demands
+        What is demanded.
     """
-    verified = _without_outlying(fresh, answer)
+    # Compared with what the runs that belong together expect.
+    verified = fresh.verified({name: found.seeds for name, found in answer.outliers.items()})
     bases = answer.reduction.bases if answer.reduction else ()
     failed, ended = fresh.failures
     pairs = problem.correlations
     evidence = Evidence(
         targets=[
-            _of_target(problem, answer, fresh, verified, target, repeats or {})
+            _of_target(problem, answer, fresh, verified, target, demands.repeats)
             for target in problem.targets
         ],
         curves=[_of_curve(basis, answer, verified) for basis in bases],
         out_of_reach=answer.out_of_reach,
         probability_all_met=answer.probability_all_met,
         probability_without_outliers=answer.probability_without_outliers,
-        confidence=confidence,
-        fewest_fresh=fewest_fresh,
+        confidence=demands.confidence,
+        fewest_fresh=demands.fewest_fresh,
         runs_needed=answer.runs_needed,
         failed=failed,
         ended=ended,
@@ -236,18 +222,6 @@ def _of_target(
         curve=next((basis.target.name for basis in curves if name in basis.names), ""),
         is_deterministic=is_deterministic,
     )
-
-
-def _without_outlying(fresh: FreshRuns, answer: Answer) -> dict[str, Verified]:
-    """Return the means of fresh seeds that belong to the others: those are what is expected."""
-    found = {}
-    for name, values in fresh.values.items():
-        outlying = answer.outliers[name].seeds if name in answer.outliers else ()
-        typical = [value for seed, value in values.items() if seed not in outlying]
-        kept = typical if 2 * len(typical) > len(values) else list(values.values())
-        if len(kept) >= _FEWEST_OF_MEAN:
-            found[name] = mean_with_interval(kept)
-    return found
 
 
 def _repeats(problem: Problem, target: Target, repeats: Mapping[str, int]) -> int:

@@ -251,10 +251,11 @@ class CalibrationLoop:
 
     def _keep_or_move(self, frozen: Mapping[str, float]) -> JudgedAnswer:
         """Judge the answer that is verified, or the one of the search if it is confirmed sooner."""
-        moved, kept = self._judge_answer(), self._judge_at(frozen)
-        if self._recorded or moved.runs_to_confirm < kept.runs_to_confirm:
+        moved = self._judge_answer()
+        if self._recorded:
             return moved
-        return kept
+        kept = self._judge_at(frozen)
+        return moved if moved.runs_to_confirm < kept.runs_to_confirm else kept
 
     def _judge(self, answer: Answer) -> JudgedAnswer:
         every = without_blow_ups(self._problem, [*self._known, *self._in_order()])

@@ -68,13 +68,25 @@ class FreshRuns:
         """Number of fresh seeds that gave every response."""
         return min((len(values) for values in self.values.values()), default=0)
 
-    def verified(self) -> dict[str, Verified]:
-        """Return the means of the responses that at least two fresh seeds gave."""
-        return {
-            name: mean_with_interval(list(values.values()))
-            for name, values in self.values.items()
-            if len(values) >= 2
-        }
+    def verified(
+        self, outlying: Mapping[str, Collection[int]] | None = None
+    ) -> dict[str, Verified]:
+        """Return the means of the responses that at least two fresh seeds gave.
+
+        Parameters
+        ----------
+        outlying : mapping of str to collection of int, optional
+            Seeds of outlying runs by name of the target. They are left out of a mean, unless half
+            of its runs or more would be.
+        """
+        found = {}
+        for name, values in self.values.items():
+            out = (outlying or {}).get(name, ())
+            typical = [value for seed, value in values.items() if seed not in out]
+            kept = typical if 2 * len(typical) > len(values) else list(values.values())
+            if len(kept) >= 2:
+                found[name] = mean_with_interval(kept)
+        return found
 
 
 def fresh_runs(

@@ -449,10 +449,11 @@ class SequentialSearch(Search):
         What another seed gives again belongs to its place; the rest are jams.
         """
         belief = self._belief
-        if belief is None:
+        suspects = belief.metamodels.suspects(belief.answer) if belief else []
+        if belief is None or not suspects:
             return None
         by_seed = {evaluation.proposal.seed: evaluation.proposal for evaluation in self.known}
-        for target, seed in belief.metamodels.suspects(belief.answer):
+        for target, seed in suspects:
             outlying, scope = by_seed[seed], belief.problem.scope_of(target.name)
             asked = [
                 one
