@@ -1,32 +1,25 @@
 """Looking again and again at an answer just beyond its tolerance does not let it pass."""
 
-import numpy as np
+import sys
+from pathlib import Path
+
 import pytest
-from scipy.special import stdtr
 
 from grainfit.verdict.looks import LOOKS, confidence_after
 
-CASES = 20_000
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+CASES, BEYOND = 20_000, 0.25
 
 
 def share_that_passes(looks: int, scatter: float, *, is_corrected: bool) -> float:
     """Share of answers up to a quarter beyond the edge that seem certain at one of the looks."""
-    random = np.random.default_rng(39)
-    runs, freedom = 2, 3
-    truth = 1 + 0.25 * random.random(CASES)
-    mean = truth + scatter * random.standard_normal(CASES) / np.sqrt(runs)
-    squares = scatter**2 * random.chisquare(freedom, CASES)
-    passed = np.zeros(CASES, dtype=bool)
-    for _ in range(looks + 1):
-        error = np.sqrt(squares / freedom / runs)
-        inside = stdtr(freedom, (1 - mean) / error) - stdtr(freedom, (-1 - mean) / error)
-        # Every look has the threshold of the last one.
-        passed |= inside >= (confidence_after(looks, 0.95) if is_corrected else 0.95)
-        value = truth + scatter * random.standard_normal(CASES)
-        squares += (value - mean) ** 2 * runs / (runs + 1)
-        mean = (runs * mean + value) / (runs + 1)
-        runs, freedom = runs + 1, freedom + 1
-    return float(passed.mean())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", [str(BENCHMARKS), *sys.path])
+        from stopping import smallest_doubts
+    doubts = smallest_doubts(scatter, (2, 3), looks, CASES, BEYOND)[-1]
+    # Every look has the threshold of the last one.
+    demanded = confidence_after(looks, 0.95) if is_corrected else 0.95
+    return float((doubts <= 1 - demanded).mean())
 
 
 @pytest.mark.parametrize("looks", [0, 3, 12, 30])
