@@ -348,7 +348,8 @@ class DeckSolver(Solver):
         """Run the program; a failure has the error message of the program, if there is one."""
         own_log = workspace.folder / self._own_log
         try:
-            run_process(self._command(deck), workspace)
+            command, variables = self._start(deck)
+            run_process(command, workspace, variables)
         except RunFailedError as error:
             message = self._error_line(workspace.folder / LOG_NAME) or self._error_line(own_log)
             reason = f"{self.name}: {message}"
@@ -461,9 +462,13 @@ class DeckSolver(Solver):
     def _require_packages(self, program: str, output: str) -> None:
         """Raise `SolverNotFoundError` if the program was built without what the decks need."""
 
+    def _start(self, deck: Path) -> tuple[list[str], Mapping[str, str]]:
+        """Return the command of a run, and the environment variables that it takes."""
+        return self._command(deck), {}
+
     @abstractmethod
     def _command(self, deck: Path) -> list[str]:
-        """Return the command that runs a deck in its own folder."""
+        """Return the command by which a user runs a deck in its own folder."""
 
 
 @lru_cache(maxsize=8)

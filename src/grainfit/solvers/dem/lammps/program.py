@@ -16,6 +16,7 @@ from grainfit.extras import how_to_install
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.lammps.scene_deck import MISSING, LammpsSceneDeck
+from grainfit.solvers.dem.lammps.without_wrapper import without_wrapper
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.speed import Speed
 
@@ -61,6 +62,14 @@ class Lammps(DeckSolver):
             )
         return found
 
+    @override
+    def _start(self, deck: Path) -> tuple[list[str], Mapping[str, str]]:
+        program = self._program()
+        binary, variables = without_wrapper(program)
+        command = self._command(deck)
+        return [binary if part == program else part for part in command], variables
+
+    @override
     def _command(self, deck: Path) -> list[str]:
         program = self._program()
         command = [program, "-in", deck.name, "-nocite"]
