@@ -84,7 +84,8 @@ class HyperparameterPosterior:
     The covariance of the runs is a common variance times
     ``(1 - u) ((1 - p) R / r + p W) + u N``: R the correlation, r its mean in the contrasts, so
     that p is the share of noise in the residuals from the trend; W the ratios of the runs' noise
-    variances to their mean, on the diagonal; N the known noise and u its share.
+    variances to their mean, on the diagonal; N the known noise, or a known covariance, and u its
+    share.
 
     A scatter that is known before the runs makes the prior of the noise's variance scaled inverse
     chi-squared, with the degrees of freedom `RUNS_OF_KNOWN_SCATTER`. Given the other
@@ -115,9 +116,11 @@ class HyperparameterPosterior:
         if noise_ratios is not None:
             self.noise = contrasts.covariance(np.diag(noise_ratios))
         residual_variance = float(self.values @ self.values) / len(self.values)
-        self.known_share = min(float(known_noise.mean()) / residual_variance, _LARGEST_KNOWN_SHARE)
-        relative = known_noise / known_noise.mean() if self.known_share > 0 else known_noise
-        self.known = self.known_share * contrasts.covariance(np.diag(relative))
+        matrix = known_noise if known_noise.ndim == 2 else np.diag(known_noise)
+        known = contrasts.covariance(matrix)
+        size = float(np.trace(known)) / len(self.values)
+        self.known_share = min(size / residual_variance, _LARGEST_KNOWN_SHARE)
+        self.known = self.known_share / size * known if size > 0 else known
         d = points.shape[1]
         median = RANGE_MEDIAN * math.sqrt(d)
         self.centre = np.append(np.full(d, math.log(median)), _NOISE_LOGIT_MEAN)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -42,11 +43,14 @@ from grainfit.metamodels.predictor import (
     LeavingOut,
     Trend,
 )
+from grainfit.metamodels.relative_prior import RATIOS, RelativeModel, RelativePrior
 
 _MINIMUM_RUNS = 3
 _LARGEST_BLOCK = 4096
 #: Fits of a scatter that changes over the cube, each to the residuals of the one before.
 _ROUNDS = 2
+#: Ratios to a relative that are less likely than the most probable one by this factor are left out.
+_SMALLEST_SHARE = 1e-3
 #: With a smaller Q2, a metamodel predicts a run hardly better than the mean of all runs does.
 POOR_Q2 = 0.5
 
@@ -106,8 +110,10 @@ class Kriging:
         degrees_of_freedom: int,
         judged_by: Kriging | None = None,
         scatter: GrowingScatter | None = None,
+        relative: RelativePrior | None = None,
     ) -> None:
         self._components = components
+        self._relative = relative
         #: Change of the scatter over the cube; None when it is the same everywhere.
         self.scatter = scatter
         self._weights = np.array([c.hyperparameters.weight for c in components])
@@ -128,6 +134,7 @@ class Kriging:
         linear_trend: bool = True,
         scatter_may_vary: bool = False,
         known_scatter: float = 0.0,
+        relative: Kriging | None = None,
     ) -> Kriging:
         """Fit a metamodel to runs.
 
@@ -151,6 +158,10 @@ class Kriging:
         known_scatter : float
             Standard deviation from run to run that is known before the runs; 0 for none. It counts
             as the estimate of five more runs, unless the runs contradict it.
+        relative : Kriging, optional
+            Metamodel of the same response of a cheaper model. The response is a ratio times that of
+            the relative, and a difference. Predictions are averaged over ratios, of which 0, a
+            relative that tells nothing, is one.
 
         Raises
         ------
@@ -173,19 +184,34 @@ class Kriging:
         if standardised.are_exact:
             median = np.full(d, RANGE_MEDIAN * math.sqrt(d))
             sets = [Hyperparameters(median, 0.5, 0.5, 1.0)]
-            fit = _Fit(sets, contrasts.degrees_of_freedom, None, None)
+            fit = _Fit(sets, contrasts.degrees_of_freedom, None, None, 0.0)
         else:
             data = _Data(trend, points, standardised.values, known_noise, contrasts)
             known_variance = (known_scatter / standardised.scale) ** 2
             fit = _most_probable_fit(candidates, data, scatter_may_vary, known_variance)
         given = (trend, points, standardised.values, known_noise, contrasts, fit.ratios)
+        related = None
+        if relative is not None and not standardised.are_exact:
+            related = RelativePrior(relative, standardised.offset, standardised.scale, points)
+            fit = _with_relative(fit, data, related)
         return cls(
-            [Component(one, *given) for one in fit.sets],
+            [Component(one, *given, related) for one in fit.sets],
             offset=standardised.offset,
             scale=standardised.scale,
             degrees_of_freedom=fit.degrees_of_freedom,
             scatter=fit.scatter,
+            relative=related,
         )
+
+    @property
+    def relative(self) -> RelativeModel | None:
+        """Metamodel of the relative; None without one."""
+        return None if self._relative is None else self._relative.model
+
+    @property
+    def share_of_relative(self) -> float:
+        """Probability that the relative tells about the response; 0 without one."""
+        return float(self._weights @ [component.ratio != 0 for component in self._components])
 
     @property
     def d(self) -> int:
@@ -377,6 +403,7 @@ class Kriging:
         """
         points = checked("points", points, (None, self.d))
         here = [component.project(points) for component in self._components]
+        of_relative = None if self.relative is None else self.relative.covariance_with(points)
         means = np.array([c.predict_at(p)[0] for c, p in zip(self._components, here, strict=True)])
         off = means - self._weights @ means
 
@@ -392,7 +419,52 @@ class Kriging:
                 )
             )
             shared = (self._weights[:, None] * off).T @ (other_means - mean)
-            return self._scale**2 * (joint + shared), self._scale**2 * variance
+            found = self._scale**2 * (joint + shared)
+            if of_relative is not None:
+                squares = self._weights @ [c.ratio**2 for c in self._components]
+                found += self._inflation * squares * of_relative(others)[0]
+            return found, self._scale**2 * variance
+
+        return covariances
+
+    def covariance_with_relative(
+        self, points: ArrayLike
+    ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+        """Prepare covariances of the response at these points with that of the relative at others.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points in the unit cube.
+
+        Returns
+        -------
+        callable
+            Of other points, shape (n, d): the covariances, shape (m, n), and the variances of the
+            relative's mean at the others, shape (n,).
+
+        Raises
+        ------
+        InputError
+            As `predict`.
+        """
+        points = checked("points", points, (None, self.d))
+        assert self._relative is not None, "only a response with a relative has these"
+        relative = self._relative
+        here = [component.project(points) for component in self._components]
+        of_relative = relative.model.covariance_with(points)
+
+        def covariances(others: FloatArray) -> tuple[FloatArray, FloatArray]:
+            there = relative.at(others)
+            among = of_relative(others)[0] / self._scale**2
+            parts = [
+                c.covariance_of_relative(p, among, there.covariance)
+                for c, p in zip(self._components, here, strict=True)
+            ]
+            joint, known = (np.array(part) for part in zip(*parts, strict=True))
+            variance = np.maximum(there.variance - self._weights @ known, 0.0)
+            covariance = np.tensordot(self._weights, joint, axes=1)
+            return self._scale**2 * covariance, self._scale**2 * variance
 
         return covariances
 
@@ -437,13 +509,12 @@ class Kriging:
         points = checked_points(points, self.d)
         added = (checked_values(values, len(points)) - self._offset) / self._scale
         noise = self._usual_known_noise(len(points))
-        return self._with(
-            [
-                c.condition(points, added, noise, self.scatter_ratios(points))
-                for c in self._components
-            ],
-            None,
-        )
+        relative = self._relative_with(points)
+        components = [
+            c.condition(points, added, noise, self.scatter_ratios(points), relative)
+            for c in self._components
+        ]
+        return self._with(components, None, relative)
 
     def condition_on_pending(self, points: ArrayLike) -> Kriging:
         """Add pending runs: the mean stays the same, the variance shrinks to its later value.
@@ -461,13 +532,45 @@ class Kriging:
         points = checked_points(points, self.d)
         noise = self._usual_known_noise(len(points))
         ratios = self.scatter_ratios(points)
-        components = [c.condition_on_pending(points, noise, ratios) for c in self._components]
-        return self._with(components, self._judged_by or self)
+        relative = self._relative_with(points)
+        components = [
+            c.condition_on_pending(points, noise, ratios, relative) for c in self._components
+        ]
+        return self._with(components, self._judged_by or self, relative)
+
+    def condition_on_pending_relative(self, points: ArrayLike) -> Kriging:
+        """Add pending runs of the relative, of which the relative's own mean is expected.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points of the pending runs.
+
+        Raises
+        ------
+        InputError
+            As `fit`.
+        """
+        assert self._relative is not None, "only a response with a relative has its runs"
+        relative = self._relative.with_model(self._relative.model.condition_on_pending(points))
+        components = [component.related_to(relative) for component in self._components]
+        return self._with(components, self._judged_by or self, relative)
+
+    def _relative_with(self, points: FloatArray) -> RelativePrior | None:
+        """Return the relative for the runs so far and some more."""
+        if self._relative is None:
+            return None
+        return self._relative.with_runs(np.vstack([self._relative.points, points]))
 
     def _usual_known_noise(self, runs: int) -> FloatArray:
         return np.full(runs, float(self._components[0].known_noise.mean()))
 
-    def _with(self, components: list[Component], judged_by: Kriging | None) -> Kriging:
+    def _with(
+        self,
+        components: list[Component],
+        judged_by: Kriging | None,
+        relative: RelativePrior | None,
+    ) -> Kriging:
         return Kriging(
             components,
             offset=self._offset,
@@ -475,6 +578,7 @@ class Kriging:
             degrees_of_freedom=self._degrees_of_freedom,
             judged_by=judged_by,
             scatter=self.scatter,
+            relative=relative,
         )
 
     def embedded(self, axes: Sequence[int], points: FloatArray) -> Kriging:
@@ -488,12 +592,14 @@ class Kriging:
             Points of the runs in the larger unit cube.
         """
         dimension = points.shape[1]
+        relative = None if self._relative is None else self._relative.embedded(axes, points)
         return Kriging(
-            [component.embedded(axes, points) for component in self._components],
+            [component.embedded(axes, points, relative) for component in self._components],
             offset=self._offset,
             scale=self._scale,
             degrees_of_freedom=self._degrees_of_freedom,
             scatter=None if self.scatter is None else self.scatter.embedded(axes, dimension),
+            relative=relative,
         )
 
     def reduced(self, components: int) -> Kriging:
@@ -515,13 +621,19 @@ class Kriging:
             return self
         kept = np.sort(np.argsort(-self._weights, kind="stable")[:components])
         weights = self._weights[kept] / self._weights[kept].sum()
+        chosen = [self._components[i] for i in kept]
+        relative = self._relative
+        if relative is not None:
+            relative = relative.with_model(relative.model.reduced(components))
+            chosen = [component.related_to(relative) for component in chosen]
         return Kriging(
-            [self._components[i].weighing(float(w)) for i, w in zip(kept, weights, strict=True)],
+            [one.weighing(float(weight)) for one, weight in zip(chosen, weights, strict=True)],
             offset=self._offset,
             scale=self._scale,
             degrees_of_freedom=self._degrees_of_freedom,
             judged_by=self._judged_by.reduced(components) if self._judged_by else None,
             scatter=self.scatter,
+            relative=relative,
         )
 
     def to_plain(self, *, factors: bool = True) -> dict[str, Any]:
@@ -675,6 +787,7 @@ class _Fit(NamedTuple):
     degrees_of_freedom: int
     ratios: FloatArray | None
     scatter: GrowingScatter | None
+    known_variance: float
 
 
 def _most_probable_fit(
@@ -693,7 +806,41 @@ def _most_probable_fit(
         # What is known is no scatter that changes over the cube.
         if scatter is None and known_variance > 0 and best.supports(known_variance):
             best = data.posterior(ratios, known_variance)
-        return _Fit(best.hyperparameters(), best.degrees_of_freedom, ratios, scatter)
+        else:
+            known_variance = 0.0
+        return _Fit(
+            best.hyperparameters(), best.degrees_of_freedom, ratios, scatter, known_variance
+        )
+
+
+def _with_relative(fit: _Fit, data: _Data, relative: RelativePrior) -> _Fit:
+    """Average a fit without a relative with those at several ratios to it, by their evidence."""
+    at_runs = relative.at(data.points)
+    fits: list[tuple[float, float, list[Hyperparameters]]] = []
+    with threadpool_limits(limits=1, user_api="blas"):
+        for ratio, prior in RATIOS.items():
+            known = np.diag(data.known_noise) + ratio**2 * at_runs.covariance
+            posterior = HyperparameterPosterior(
+                data.points,
+                data.values - ratio * at_runs.mean,
+                data.contrasts,
+                known,
+                fit.ratios,
+                fit.known_variance,
+            )
+            sets = posterior.hyperparameters() if ratio else fit.sets
+            fits.append((posterior.log_density + math.log(prior), ratio, sets))
+    largest = max(evidence for evidence, *_ in fits)
+    shares = np.exp([evidence - largest for evidence, *_ in fits])
+    shares[shares < _SMALLEST_SHARE] = 0.0
+    shares /= shares.sum()
+    sets = [
+        replace(one, ratio=ratio, weight=float(share * one.weight))
+        for share, (_, ratio, found) in zip(shares, fits, strict=True)
+        for one in found
+        if share
+    ]
+    return fit._replace(sets=sets)
 
 
 def _varying(

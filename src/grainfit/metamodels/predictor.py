@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from scipy import linalg
 from scipy.spatial.distance import cdist
 
+from grainfit.metamodels.relative_prior import RelativePrior
+
 FloatArray = NDArray[np.float64]
 #: Scale of the distance in the Matérn 5/2 correlation, 2 sqrt(5/2).
 _MATERN_SCALE = math.sqrt(10.0)
@@ -158,6 +160,8 @@ class Hyperparameters:
     signal_variance: float
     noise_variance: float
     weight: float
+    #: Ratio of the response to that of its relative.
+    ratio: float = 0.0
 
 
 def _cholesky(covariance: FloatArray) -> FloatArray:
@@ -222,11 +226,13 @@ class LeavingOut:
 class _Projection(NamedTuple):
     """Points prepared for one predictor, one column per point.
 
-    The points over the ranges; their trend; their covariance with the runs; its least-squares
-    trend; and the part of it that the contrasts explain.
+    The points over the ranges; their prior mean and variance; their trend; their covariance with
+    the runs; its least-squares trend; and the part of it that the contrasts explain.
     """
 
     scaled: FloatArray
+    prior_mean: FloatArray | float
+    prior_variance: FloatArray | float
     trend: FloatArray
     covariance: FloatArray
     on_trend: FloatArray
@@ -245,6 +251,7 @@ class Component:
         known_noise: FloatArray,
         contrasts: Contrasts | None = None,
         noise_ratios: FloatArray | None = None,
+        relative: RelativePrior | None = None,
     ) -> None:
         self.hyperparameters = hyperparameters
         self.trend = trend
@@ -252,6 +259,8 @@ class Component:
         self.values = values
         self.known_noise = known_noise
         self.noise_ratios = noise_ratios
+        self._relative = relative
+        self._ratio = 0.0 if relative is None else hyperparameters.ratio
         self._scaled = points / hyperparameters.ranges
         contrasts = contrasts or Contrasts.of(trend.matrix(points))
         covariance = self._covariance(points)
@@ -259,10 +268,13 @@ class Component:
         complement, least_squares = contrasts.complement, contrasts.least_squares
         factor = _cholesky(contrasts.covariance(covariance))
         self._root = linalg.solve_triangular(factor, complement.T, lower=True)
-        self._coefficients = self._root.T @ (self._root @ values)
+        self._residuals = values - self._prior(points)[0]
+        self._coefficients = self._root.T @ (self._root @ self._residuals)
         self._least_squares = least_squares
         across = covariance @ least_squares.T
-        self._trend_coefficients = least_squares @ (values - covariance @ self._coefficients)
+        self._trend_coefficients = least_squares @ (
+            self._residuals - covariance @ self._coefficients
+        )
         self._trend_covariance = least_squares @ across
         self._root_of_trend = self._root @ across
 
@@ -274,7 +286,17 @@ class Component:
     def _covariance(self, points: FloatArray) -> FloatArray:
         correlation = matern(cdist(self._scaled, points / self.hyperparameters.ranges))
         correlation *= self.hyperparameters.signal_variance
+        if self._relative is not None and self._ratio:
+            correlation += self._ratio**2 * self._relative.at(points).covariance
         return correlation
+
+    def _prior(self, points: FloatArray) -> tuple[FloatArray | float, FloatArray | float]:
+        """Mean and variance at points before the runs, but for the trend."""
+        signal = self.hyperparameters.signal_variance
+        if self._relative is None or not self._ratio:
+            return 0.0, signal
+        there = self._relative.at(points)
+        return self._ratio * there.mean, signal + self._ratio**2 * there.variance
 
     def project(self, points: FloatArray) -> _Projection:
         """Compute the parts of predictions at points and of their covariances."""
@@ -282,6 +304,7 @@ class Component:
         covariance = self._covariance(points)
         return _Projection(
             points / self.hyperparameters.ranges,
+            *self._prior(points),
             trend,
             covariance,
             self._least_squares @ covariance,
@@ -295,13 +318,15 @@ class Component:
     def mean(self, points: FloatArray) -> FloatArray:
         """Mean alone, which takes far fewer operations."""
         trend = self.trend.matrix(points) @ self._trend_coefficients
-        return np.asarray(trend + self._coefficients @ self._covariance(points))
+        expected = trend + self._coefficients @ self._covariance(points)
+        return np.asarray(expected + self._prior(points)[0])
 
     def predict_at(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
         """Mean and variance of the mean at projected points."""
         mean = self._trend_coefficients @ at.trend + self._coefficients @ at.covariance
+        mean += at.prior_mean
         variance = (
-            self.hyperparameters.signal_variance
+            at.prior_variance
             - 2.0 * np.einsum("ij,ij->j", at.trend, at.on_trend)
             + np.einsum("ij,ij->j", at.trend, self._trend_covariance @ at.trend)
             - np.einsum("ij,ij->j", at.explained, at.explained)
@@ -309,7 +334,10 @@ class Component:
         return mean, np.maximum(variance, 0.0)
 
     def joint(self, first: _Projection, second: _Projection) -> FloatArray:
-        """Covariances of the mean between two sets of points, shape (first, second)."""
+        """Covariances of the mean between two sets of points, shape (first, second).
+
+        Without the ratio squared times those of the relative, see `relative_factor`.
+        """
         correlation = matern(cdist(first.scaled, second.scaled))
         joint = self.hyperparameters.signal_variance * correlation
         joint -= first.explained.T @ second.explained
@@ -325,7 +353,42 @@ class Component:
         pull = self.hyperparameters.signal_variance * slope * self._coefficients
         away = scaled * pull.sum(axis=1)[:, None] - pull @ runs
         slopes = self.trend.slopes(self._trend_coefficients, points.shape[1])
+        if self._relative is not None and self._ratio:
+            pull_of_relative = self._ratio**2 * self._coefficients
+            slopes = slopes + self._relative.pull_slopes(points, self._ratio, pull_of_relative)
         return np.asarray(slopes - away / ranges)
+
+    @property
+    def ratio(self) -> float:
+        """Ratio of the response to that of its relative; 0 without one."""
+        return self._ratio
+
+    def covariance_of_relative(
+        self, here: _Projection, covariance: FloatArray, relative: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Covariances of the mean at points with the relative's, given all runs.
+
+        Parameters
+        ----------
+        here : _Projection
+            Projected points, m of them.
+        covariance : ndarray, shape (m, k)
+            Covariances of the relative between these and other points, given its own runs.
+        relative : ndarray, shape (n, k)
+            The same between the runs of the response and the other points.
+
+        Returns
+        -------
+        ndarray, shape (m, k)
+            The covariances.
+        ndarray, shape (k,)
+            Reduction of the relative's variances at the other points by the runs of the response.
+        """
+        with_runs = self._ratio * relative
+        explained = self._root @ with_runs
+        joint = self._ratio * covariance - here.explained.T @ explained
+        joint -= here.trend.T @ (self._least_squares @ with_runs)
+        return np.asarray(joint), np.einsum("ij,ij->j", explained, explained)
 
     def leave_one_out(self) -> tuple[FloatArray, FloatArray]:
         """Mean and variance of each run left out, by the formulas of Dubrule (1983)."""
@@ -334,7 +397,7 @@ class Component:
 
     def leaving_out(self) -> LeavingOut:
         """Start to leave runs out one by one."""
-        return LeavingOut(self._root.T @ self._root, self.values, len(self._trend_coefficients))
+        return LeavingOut(self._root.T @ self._root, self._residuals, len(self._trend_coefficients))
 
     def condition(
         self,
@@ -342,8 +405,12 @@ class Component:
         values: FloatArray,
         known_noise: FloatArray,
         added_ratios: FloatArray,
+        relative: RelativePrior | None = None,
     ) -> Component:
-        """Add runs; the ratios of their noise only count where those of the others are known."""
+        """Add runs; the ratios of their noise only count where those of the others are known.
+
+        ``relative`` is that of all runs.
+        """
         ratios = self.noise_ratios
         return Component(
             self.hyperparameters,
@@ -352,13 +419,31 @@ class Component:
             np.append(self.values, values),
             np.append(self.known_noise, known_noise),
             noise_ratios=None if ratios is None else np.append(ratios, added_ratios),
+            relative=relative,
         )
 
     def condition_on_pending(
-        self, points: FloatArray, known_noise: FloatArray, added_ratios: FloatArray
+        self,
+        points: FloatArray,
+        known_noise: FloatArray,
+        added_ratios: FloatArray,
+        relative: RelativePrior | None = None,
     ) -> Component:
         """Add pending runs, which get the predicted mean."""
-        return self.condition(points, self.predict(points)[0], known_noise, added_ratios)
+        expected = self.predict(points)[0]
+        return self.condition(points, expected, known_noise, added_ratios, relative)
+
+    def related_to(self, relative: RelativePrior) -> Component:
+        """Return the component with another state of its relative."""
+        return Component(
+            self.hyperparameters,
+            self.trend,
+            self.points,
+            self.values,
+            self.known_noise,
+            noise_ratios=self.noise_ratios,
+            relative=relative,
+        )
 
     def weighing(self, weight: float) -> Component:
         """Return the component with another weight in the mixture."""
@@ -366,9 +451,12 @@ class Component:
         other.hyperparameters = replace(self.hyperparameters, weight=weight)
         return other
 
-    def embedded(self, axes: Sequence[int], points: FloatArray) -> Component:
+    def embedded(
+        self, axes: Sequence[int], points: FloatArray, relative: RelativePrior | None = None
+    ) -> Component:
         """Return the same over a larger unit cube, see `Kriging.embedded`."""
         other = copy(self)
+        other._relative = relative
         other.points = points
         ranges = np.full(points.shape[1], _NO_EFFECT)
         ranges[list(axes)] = self.hyperparameters.ranges
