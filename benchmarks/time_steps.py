@@ -5,11 +5,11 @@ and started again.
 
     python benchmarks/time_steps.py --kept steps.jsonl [--seeds 3] [--tests heap packing]
         [--models epsd2 epsd "epsd 0.25"] [--fractions 0.12 0.16 0.2 0.25 0.3]
-        [--frictions 0.2 1] [--restitutions 0.6] [--table]
+        [--sliding 0.5] [--frictions 0.2 1] [--restitutions 0.6] [--moduli 0.36e6] [--table]
 
 ``"epsd 0.25"`` is EPSD with a rolling damping of 0.25, ``epsd`` the same without. Prints, for each
 setting and solver, how many runs at each share of the Rayleigh time step gave responses, and the
-mean of each response with its standard error.
+mean of each response with its standard error, and its difference from the shortest step.
 """
 
 from __future__ import annotations
@@ -35,8 +35,6 @@ SOLVERS = ("lammps", "liggghts")
 MODELS = ("epsd2", "epsd", "epsd 0.25")
 FRACTIONS = (0.12, 0.16, 0.2, 0.25, 0.3)
 ROLLING_FRICTIONS = (0.2, 1.0)
-#: A test that needs another modulus than the others, Pa.
-MODULI = {"compression": 10e6}
 
 
 class Run(NamedTuple):
@@ -44,8 +42,10 @@ class Run(NamedTuple):
 
     seed: int
     test: str
+    sliding_friction: float
     rolling_friction: float
     restitution: float
+    youngs_modulus: float
     model: str
     fraction: float
     solver: str
@@ -58,9 +58,12 @@ def material_of(run: Run) -> Mapping[str, float]:
     contacts = ("particle_particle", "particle_wall")
     dashpot = {f"{c}.rolling_damping": float(damping or 0) for c in contacts if name == "epsd"}
     bounce = {f"{c}.restitution": run.restitution for c in contacts}
-    modulus = MODULI.get(run.test, rest["particle.youngs_modulus"])
-    changes = {**dashpot, **bounce, "particle.youngs_modulus": modulus}
-    return {**rest, **changes, "particle_particle.rolling_friction": run.rolling_friction}
+    changes = {**dashpot, **bounce, "particle.youngs_modulus": run.youngs_modulus}
+    friction = {
+        "particle_particle.sliding_friction": run.sliding_friction,
+        "particle_particle.rolling_friction": run.rolling_friction,
+    }
+    return {**rest, **changes, **friction}
 
 
 def record_of(run: Run) -> dict[str, Any]:
@@ -76,21 +79,46 @@ def record_of(run: Run) -> dict[str, Any]:
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
-    """Yield the lines of the table in Markdown, one for every setting."""
-    yield "| test | μ_r | e | model | solver | time step | responses from | means | CPU s |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    """Yield the lines of the table in Markdown, one for every setting and response."""
+    yield (
+        "| test | sliding, rolling friction | e | E, MPa | model | solver | time step | runs "
+        "| response | mean | difference from the shortest step | over the scatter of a run "
+        "| CPU s |"
+    )
+    yield "|---" * 13 + "|"
     settings = dict.fromkeys(run._replace(seed=0) for run in sorted(records))
     for setting in settings:
-        own = [r for run, r in records.items() if run._replace(seed=0) == setting]
-        good = [r["responses"] for r in own if "responses" in r]
-        names = good[0] if good else ()
-        means = ", ".join(f"{name} {mean_and(_error, [r[name] for r in good])}" for name in names)
-        _, test, friction, restitution, model, fraction, solver = setting
-        seconds = number(float(np.median([r["seconds"] for r in own])), 2)
-        yield (
-            f"| {test} | {friction} | {restitution} | {model} | {solver} | {fraction:.0%} "
-            f"| {len(good)} of {len(own)} | {means} | {seconds} |"
+        own = _of(records, setting)
+        shortest = min(
+            s.fraction for s in settings if s._replace(fraction=0) == setting._replace(fraction=0)
         )
+        first = _of(records, setting._replace(fraction=shortest))
+        seconds = number(float(np.mean([r["seconds"] for r in own])), 2)
+        good = [r["responses"] for r in own if "responses" in r]
+        for name in good[0] if good else ():
+            values = [r[name] for r in good]
+            others = [r["responses"][name] for r in first if "responses" in r]
+            yield (
+                f"| {setting.test} | {setting.sliding_friction:g}, {setting.rolling_friction:g} "
+                f"| {setting.restitution:g} | {setting.youngs_modulus / 1e6:g} | {setting.model} "
+                f"| {setting.solver} | {setting.fraction:.0%} | {len(good)} of {len(own)} | {name} "
+                f"| {mean_and(_error, values)} | {_difference(values, others)} | {seconds} |"
+            )
+
+
+def _of(records: Mapping[Run, dict[str, Any]], setting: Run) -> list[dict[str, Any]]:
+    return [record for run, record in records.items() if run._replace(seed=0) == setting]
+
+
+def _difference(values: Sequence[float], others: Sequence[float]) -> str:
+    """Difference of the means with its 95 % interval, and both over the scatter of one run."""
+    if values == others or min(len(values), len(others)) < 2:
+        return " | "
+    error = 1.96 * float(np.hypot(_error(values), _error(others)))
+    scatter = float(np.sqrt((np.var(values, ddof=1) + np.var(others, ddof=1)) / 2))
+    found = float(np.mean(values) - np.mean(others))
+    half = number(error, 2)
+    return f"{number(found, 2)} ± {half} | {found / scatter:+.2f} ± {error / scatter:.2f}"
 
 
 def _error(values: Sequence[float]) -> float:
@@ -104,15 +132,24 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--tests", nargs="+", choices=bulk_tests(), default=["heap", "packing"])
     parser.add_argument("--models", nargs="+", default=list(MODELS))
+    parser.add_argument("--sliding", nargs="+", type=float, default=[0.5])
     parser.add_argument("--frictions", nargs="+", type=float, default=list(ROLLING_FRICTIONS))
     parser.add_argument("--restitutions", nargs="+", type=float, default=[0.6])
+    parser.add_argument("--moduli", nargs="+", type=float, default=[0.36e6], help="Pa")
     parser.add_argument("--fractions", nargs="+", type=float, default=list(FRACTIONS))
     parser.add_argument("--solvers", nargs="+", choices=SOLVERS, default=list(SOLVERS))
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     if not given.table:
         seeds = range(1, given.seeds + 1)
-        varied = (given.frictions, given.restitutions, given.models, given.fractions)
+        varied = (
+            given.sliding,
+            given.frictions,
+            given.restitutions,
+            given.moduli,
+            given.models,
+            given.fractions,
+        )
         settings = product(seeds, given.tests, *varied, given.solvers)
         measure([Run(*values) for values in settings], given.kept, record_of)
     print("\n".join(table(read(given.kept, Run))))

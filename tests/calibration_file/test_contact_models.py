@@ -43,7 +43,32 @@ def test_without_a_dashpot_no_damping_is_asked_for(tmp_path: Path) -> None:
 
     assert run.model["contact_models"] == ["epsd2"]
     assert not any("rolling_damping" in name for name in run.parameters)
-    assert run.model["test"]["time_step_fraction"] == 0.12
+
+
+@pytest.mark.parametrize(
+    ("change", "fraction"),
+    [
+        ({}, 0.19),
+        ({"0.36 MPa": "10 MPa"}, 0.33),
+        ({'"0.36 MPa"': '{ min = "0.1 MPa", max = "10 MPa" }'}, 0.15),
+        ({"0.79": "0.5"}, 0.17),
+        ({"0.79": "{ min = 0.1, max = 0.9 }"}, 0.1),
+        ({"rolling_damping = 0.25": "rolling_damping = 1"}, 0.06),
+        ({"rolling_damping = 0.25": "rolling_damping = { min = 0, max = 1 }"}, 0.06),
+        ({"0.891": "2.5"}, 0.07),
+        ({"0.891": "2.5", "rolling_damping = 0.25": "rolling_damping = 0"}, 0.18),
+    ],
+)
+def test_the_time_step_follows_restitution_and_rolling(
+    tmp_path: Path, change: dict[str, str], fraction: float
+) -> None:
+    text = GLASS_BEADS
+    for old, new in change.items():
+        assert old in text
+        text = text.replace(old, new)
+    heap = setup_of(tmp_path, text).bulk_tests["heap"]
+
+    assert conditions_of(heap).time_step_fraction == fraction
 
 
 def test_low_restitution_shortens_the_time_step_that_is_the_default(tmp_path: Path) -> None:
@@ -119,13 +144,14 @@ def test_a_material_that_crosses_solvers_is_named_with_the_size_of_the_effect(
 @pytest.mark.parametrize(
     ("text", "fraction", "safe"),
     [
-        (GLASS_BEADS, 0.15, "0.12"),
-        (choosing("epsd2"), 0.25, "0.2"),
-        (choosing("epsd2"), 0.2, None),
-        (GLASS_BEADS.replace(DAMPED, "rolling_damping = 0\n"), 0.2, None),
+        (GLASS_BEADS, 0.25, "0.19"),
+        (GLASS_BEADS.replace("rolling_damping = 0.25", "rolling_damping = 0.6"), 0.15, "0.1"),
+        (choosing("epsd2"), 0.25, "0.19"),
+        (choosing("epsd2"), 0.19, None),
+        (GLASS_BEADS.replace(DAMPED, "rolling_damping = 0\n"), 0.19, None),
         (GLASS_BEADS, 0.12, None),
-        (GLASS_BEADS.replace("restitution = 0.79", "restitution = 0.1"), 0.12, "0.11"),
-        (GLASS_BEADS.replace("0.79", "{ min = 0.1, max = 0.9 }"), 0.12, "0.11"),
+        (GLASS_BEADS.replace("restitution = 0.79", "restitution = 0.1"), 0.12, "0.1"),
+        (GLASS_BEADS.replace("0.79", "{ min = 0.1, max = 0.9 }"), 0.12, "0.1"),
     ],
 )
 def test_a_time_step_beyond_the_safe_one_is_named(

@@ -71,7 +71,7 @@ def test_budget_limits_the_time(tmp_path: Path) -> None:
 
 
 def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Path) -> None:
-    stiff = ('youngs_modulus = "0.36 MPa"', 'youngs_modulus = "100 MPa"')
+    stiff = ('youngs_modulus = "0.36 MPa"', 'youngs_modulus = "500 MPa"')
     beads = setup(tmp_path, ('type = "heap"', WIDE), stiff)
     time = time_of(beads)
     assert time is not None

@@ -41,7 +41,8 @@ from grainfit.scenes.scene import SCENES_REVISION, Scene, time_step
 GRAVITY = 9.81
 #: Below it, m/s^2, hardly anything falls: no bed fills and none comes to rest in a sensible time.
 LOWEST_GRAVITY = 1e-3
-#: Share of the Rayleigh time step at which beds come to rest.
+#: Share of the Rayleigh time step at which beds of nearly every material come to rest: the default
+#: of tests that do not know their material.
 TIME_STEP_FRACTION = 0.12
 #: Parts of a test that can be of different materials, each with its walls in the scene.
 Parts = Mapping[str, tuple[str, ...]]
@@ -95,11 +96,12 @@ class BulkTest(OneLine, ABC):
     )
     time_step_fraction: Amount = option(
         Quantity("", highest=1.0, above_zero=True),
-        "Time step over the Rayleigh time step. With larger ones, beds may never come to rest, or "
-        "are too dense, and so they do at this one below a restitution of 0.16: epsd2 then has a "
-        "smaller default.",
-        example="0.12",
+        "Time step over the Rayleigh time step. With larger ones than the default of a calibration "
+        "file, which follows from restitution, rolling and cohesion, beds may never come to rest, "
+        "or are too dense.",
+        example="0.2",
         default=TIME_STEP_FRACTION,
+        default_text="what is safe with the contact law: at most 0.2",
     )
 
     def __post_init__(self, diameter: Amount | list[dict[str, Amount]] | None) -> None:

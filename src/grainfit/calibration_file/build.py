@@ -382,7 +382,7 @@ def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
     return FileEntry(
         test.options,
         test.responses,
-        tuple(parameter.name for parameter in file.parameters),
+        {parameter.name: (parameter.minimum, parameter.maximum) for parameter in file.parameters},
         file.fixed,
         file.sizes,
         file.contact_models,

@@ -30,9 +30,6 @@ from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.walls import same_on_walls
 
-#: Largest share of the Rayleigh time step at which beds with a dashpot against rolling come to rest
-#: with the responses that smaller steps give.
-SAFE_WITH_ROLLING_DASHPOT = 0.12
 #: Share of the safe time step that is safe for cohesive beds too, whose particles overlap by at
 #: most `LARGEST_OVERLAP` without a load: their contacts are stiffer, and more in number.
 _COHESIVE = 0.6
@@ -99,10 +96,9 @@ class ContactModel:
     conventions : tuple of Convention
         One for each key of its parameters, at least.
     dashpots : tuple of str
-        Names of parameters of rolling dashpots, which limit the time step, and which solvers
-        implement in different ways.
+        Names of parameters of rolling dashpots, which solvers implement in different ways.
     safe_time_step : callable, optional
-        Largest safe share of the Rayleigh time step for a material, apart from rolling dashpots.
+        Largest share of the Rayleigh time step for a material that is safe with this model.
     attraction : callable, optional
         Attraction of a contact, of models of cohesion.
     """
@@ -229,12 +225,8 @@ class ContactLaw:
         material : mapping of str to float
             Values by dotted name; where one is missing, the share is safe for all usual values.
         """
-        shares = [m.safe_time_step(material) for m in self.models if m.safe_time_step is not None]
-        if self.cohesion is not None:
-            shares = [_COHESIVE * share for share in shares]
-        if any(model.is_damped(material) for model in self.models):
-            shares.append(SAFE_WITH_ROLLING_DASHPOT)
-        return min(shares)
+        share = min(m.safe_time_step(material) for m in self.models if m.safe_time_step is not None)
+        return share if self.cohesion is None else _COHESIVE * share
 
     def solver_difference(self, material: Mapping[str, float], solvers: Collection[str]) -> str:
         """Return sentences on how far some solvers differ; empty if they agree.

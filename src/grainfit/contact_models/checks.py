@@ -1,4 +1,4 @@
-"""Checks of the contact law of a calibration: solvers that differ, and large time steps."""
+"""A check of the contact law of a calibration: solvers that differ."""
 
 from __future__ import annotations
 
@@ -32,13 +32,6 @@ class UsedContactLaw(Protocol):
     def dem_solvers(self) -> Mapping[str, str]:
         """Name of the solver of each bulk test."""
 
-    @property
-    def time_step_fractions(self) -> Mapping[str, float]:
-        """Time step over the Rayleigh time step of each bulk test."""
-
-    def key(self, test: str, key: str = "") -> str:
-        """Return the key of a test, or a key of its table."""
-
 
 @check("solvers-differ", "warning")
 def solvers_differ(used: UsedContactLaw) -> Iterator[Found]:
@@ -50,24 +43,6 @@ def solvers_differ(used: UsedContactLaw) -> Iterator[Found]:
     if difference := law.solver_difference(material, solvers):
         names = in_a_row(solvers)
         yield "", f"The tests run with {names}. {difference} Use one solver for all tests."
-
-
-@check("large-time-step", "warning")
-def large_time_step(used: UsedContactLaw) -> Iterator[Found]:
-    """Time steps that are too large for the contact law and the restitution."""
-    law = _law(used)
-    if law is None:
-        return
-    lowest = {name: e[0] for name, e in used.intervals.items() if name.endswith(".restitution")}
-    safe = law.time_step_fraction({**used.fixed, **lowest})
-    for test, fraction in used.time_step_fractions.items():
-        if fraction > safe:
-            yield (
-                used.key(test, "time_step_fraction"),
-                f"Test {test}: a time step of {fraction:.3g} of the Rayleigh time step is more "
-                f"than the {safe:.2g} that is safe with this contact law and restitution. Beds "
-                "may never come to rest, or come to rest up to 16 % too dense without any error.",
-            )
 
 
 def _cohesive(used: UsedContactLaw) -> dict[str, float]:

@@ -28,8 +28,8 @@ class FileEntry:
         The given keys of the type of test.
     responses : tuple of str
         Responses that have a target.
-    free : tuple of str
-        Names of the free parameters.
+    free : mapping of str to tuple of float
+        Ends of the intervals of the free parameters, by name.
     fixed : mapping of str to float
         Parameters that have a value.
     sizes : ParticleSizes, optional
@@ -42,7 +42,7 @@ class FileEntry:
 
     options: Mapping[str, Any]
     responses: tuple[str, ...]
-    free: tuple[str, ...]
+    free: Mapping[str, tuple[float, float]]
     fixed: Mapping[str, float]
     sizes: ParticleSizes | None
     contact_models: tuple[str, ...] = ()

@@ -46,11 +46,6 @@ class FileContext(CheckContext):
             if test.name in self.bulk_tests
         }
 
-    @property
-    def time_step_fractions(self) -> dict[str, float]:
-        """Time step over the Rayleigh time step of each bulk test."""
-        return {name: float(test.time_step_fraction) for name, test in self.bulk_tests.items()}
-
 
 def context_of(
     file: CalibrationFile,

@@ -16,6 +16,7 @@ from grainfit.calibration_file.checks.context import FileContext
 from grainfit.calibration_file.checks.few_particles import few_particles
 from grainfit.calibration_file.checks.fine_tolerances import fine_tolerance
 from grainfit.calibration_file.checks.instruments import finer_than_instruments
+from grainfit.calibration_file.checks.large_time_step import large_time_step
 from grainfit.calibration_file.checks.near_spheres import near_spheres
 from grainfit.calibration_file.checks.run_times import long_calibration, short_timeout
 from grainfit.calibration_file.checks.same_simulation import repeated_simulation, shared_simulation
@@ -23,7 +24,7 @@ from grainfit.calibration_file.checks.solid_fractions import impossible_bulk_den
 from grainfit.calibration_file.checks.targets import targets_of_test, too_few_targets
 from grainfit.calibration_file.checks.unusual_values import unusual_value
 from grainfit.checks import Check, Finding
-from grainfit.contact_models.checks import large_time_step, solvers_differ
+from grainfit.contact_models.checks import solvers_differ
 from grainfit.which_test.open_parameters import open_parameters
 
 #: In the order of their findings; those of the bulk tests themselves come in between.

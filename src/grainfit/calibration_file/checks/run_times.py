@@ -10,6 +10,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
+from grainfit.bulk_tests.time_steps import usual_time_step_fraction
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
@@ -60,7 +61,8 @@ def _usual_size(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]
     """Offer the usual dimensions of tests that are given larger ones."""
     for name, solver, test in _known_tests(context):
         try:
-            usual = sized_for(type(test), test.sizes)
+            fraction = test.time_step_fraction
+            usual = sized_for(type(test), test.sizes, time_step_fraction=fraction)
             seconds = solver.estimate_cost_of(usual, _material(context, solver)).wall_seconds
         except (InputError, TypeError):
             continue
@@ -86,11 +88,14 @@ def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
             / stiffness_number(test, _material(context, solver))
             for _, solver, test in tests
         )
+        # The time is that of the modulus which is shown.
+        needed = 1e6 * float(number(needed / 1e6, 2))
         if needed >= _WORTH_IT * modulus or any(_refuses(context, needed, *one) for one in tests):
             return
         seconds = {
             name: solver.estimate_cost_of(
-                test, {**_material(context, solver), MODULUS: needed}
+                _with_stable_step(context, test, needed),
+                {**_material(context, solver), MODULUS: needed},
             ).wall_seconds
             for name, solver, test in tests
         }
@@ -101,6 +106,13 @@ def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
         f"{100 * _TOLERATED_EXCESS:.0f} % to bulk densities"
     )
     yield words, seconds
+
+
+def _with_stable_step(context: FileContext, test: BulkTest, modulus: float) -> BulkTest:
+    """Return a test with the share of the Rayleigh time step that softer particles have."""
+    intervals = {**context.intervals, MODULUS: (modulus, modulus)}
+    usual = usual_time_step_fraction(test, intervals, context.contact_models)
+    return replace(test, time_step_fraction=min(float(test.time_step_fraction), usual))
 
 
 def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:

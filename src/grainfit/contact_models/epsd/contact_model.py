@@ -5,6 +5,7 @@ from __future__ import annotations
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.epsd.lammps import EpsdLammps
 from grainfit.contact_models.epsd.liggghts import EPSD_LIGGGHTS
+from grainfit.contact_models.epsd.model import safe_time_step
 from grainfit.contact_models.epsd.yade import EpsdYade
 from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import CONTACTS, declare
@@ -62,4 +63,5 @@ EPSD = ContactModel(
         Convention("rolling_damping", "eta_r", "damping of rolling over the critical damping"),
     ),
     dashpots=tuple(parameter.name for parameter in _ROLLING_DAMPING),
+    safe_time_step=safe_time_step,
 )

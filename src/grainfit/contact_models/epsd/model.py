@@ -11,6 +11,7 @@ Ai, Chen, Rotter & Ooi (2011), Powder Technology 206:269-282, model C: rolling f
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from grainfit.contact_models.contact import Contact
@@ -19,10 +20,15 @@ from grainfit.contact_models.hertz_mindlin.model import (
     hertz_overlap,
     hertz_stiffness,
     particle_moduli,
+    safe_share,
 )
 
 #: EPSD takes the rolling stiffness from that of the normal contact: k_r = 2.25 k_n (mu_r R*)^2.
 _STIFFNESS = 2.25
+#: Neighbours that a particle in a bed turns against: their springs and dashpots add up.
+_NEIGHBOURS = 4
+#: Usual values, where a parameter is not known.
+_ROLLING_FRICTION, _ROLLING_DAMPING, _POISSONS_RATIO = 1.0, 0.25, 0.3
 
 
 @dataclass(frozen=True)
@@ -74,6 +80,36 @@ def rolling_spring(
     stiffness = _STIFFNESS * normal_stiffness * rolling_friction**2
     damping = 2 * rolling_damping * math.sqrt(rolling_inertia * stiffness) / effective_radius
     return RollingSpring(stiffness, damping)
+
+
+def safe_time_step(material: Mapping[str, float]) -> float:
+    """Return the share of the Rayleigh time step that is safe for rolling spring and dashpot.
+
+    Two equal spheres that turn against each other have the rolling frequency
+    ``w_r^2 = 45/16 mu_r^2 k_n / m``, two that slide on each other ``w_s^2 = 7 k_t / m``, with the
+    secant stiffness ``k_n = (2 - nu)/(3 - 3 nu) k_t``. The dashpot ``2 eta_r sqrt(I_r k_r)`` with
+    the inertia of rolling along is ``sqrt(7/2) eta_r`` times critical for turning in place, and of
+    several neighbours the root of their number more. See `hertz_mindlin.model.safe_time_step`.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        Values by dotted name; usual ones where they are missing. A wall touches a particle once,
+        and is left out.
+
+    Examples
+    --------
+    >>> contacts = {f"particle_particle.rolling_{a}": b for a, b in
+    ...             {"friction": 0.67, "damping": 1.0}.items()}
+    >>> round(safe_time_step({**contacts, "particle.poissons_ratio": 0.22}), 3)
+    0.093
+    """
+    friction = material.get("particle_particle.rolling_friction", _ROLLING_FRICTION)
+    damping = material.get("particle_particle.rolling_damping", _ROLLING_DAMPING)
+    ratio = material.get("particle.poissons_ratio", _POISSONS_RATIO)
+    over_tangential = (2 - ratio) / (3 - 3 * ratio)
+    frequency = friction * math.sqrt(45 / 16 * over_tangential / 7)
+    return safe_share(frequency, math.sqrt(3.5 * _NEIGHBOURS) * damping)
 
 
 def rolling_spring_of(contact: Contact, rolling_damping: float) -> RollingSpring:

@@ -141,12 +141,30 @@ def safe_time_step(material: Mapping[str, float]) -> float:
     if not all(found):
         return _USUALLY_SAFE
     lowest = min(material[name] for names_on_walls in found for name in names_on_walls)
-    return min(_SAFE, _SAFE * _stable_share(lowest) / _stable_share(_RESTITUTION))
+    return safe_share(1.0, _sliding_damping_ratio(lowest))
 
 
-def _stable_share(restitution: float) -> float:
-    damping_ratio = math.sqrt(35 / 12) * damping_factor(restitution)
+def safe_share(frequency: float, damping_ratio: float) -> float:
+    """Return the share of the Rayleigh time step that is safe for a mode of a bed.
+
+    Parameters
+    ----------
+    frequency : float
+        Over that of particles that roll in place and slide on each other.
+    damping_ratio : float
+        Damping over the critical damping of the mode.
+    """
+    stable = _stable_step(damping_ratio) / _stable_step(_sliding_damping_ratio(_RESTITUTION))
+    return _SAFE if frequency <= stable else _SAFE * stable / frequency
+
+
+def _stable_step(damping_ratio: float) -> float:
+    """Return the largest stable step of a damped mode over that of an undamped one."""
     return math.hypot(1, damping_ratio) - damping_ratio
+
+
+def _sliding_damping_ratio(restitution: float) -> float:
+    return math.sqrt(35 / 12) * damping_factor(restitution)
 
 
 def impact_overlap(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
 from grainfit.bulk_tests.abilities import HasUserFunctions
-from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
-from grainfit.contact_models.registry import COHESION, contact_law, is_material_parameter
-from grainfit.materials.walls import plain_name, wall_of, walls_among
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.time_steps import usual_time_step_fraction
+from grainfit.contact_models.registry import is_material_parameter
+from grainfit.materials.walls import wall_of, walls_among
 from grainfit.options.kinds import Choice, Name, Whole
 from grainfit.options.paths import Program
 from grainfit.options.tables import Key, Named, Table
@@ -91,14 +91,14 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
     fixed = {
         n: v for n, v in entry.fixed.items() if is_material_parameter(n) and wall_of(n) in used
     }
-    # A free cohesion acts somewhere in its interval.
-    free_cohesion = {n: 1.0 for n in entry.free if plain_name(n) in COHESION and wall_of(n) in used}
-    if entry.contact_models or free_cohesion or _is_cohesive(fixed):
-        law = contact_law({**fixed, **free_cohesion}, entry.contact_models)
-        # Rounded down: the share becomes part of a run's identity.
-        safe = math.floor(100 * law.time_step_fraction(fixed)) / 100
-        options.setdefault("time_step_fraction", min(TIME_STEP_FRACTION, safe))
     assert entry.sizes is not None, "a file with a simulated test has been checked to have sizes"
+    if "time_step_fraction" not in options:
+        intervals = {name: (value, value) for name, value in fixed.items()} | {
+            name: ends for name, ends in entry.free.items() if wall_of(name) in used
+        }
+        options["time_step_fraction"] = usual_time_step_fraction(
+            test(entry.sizes, **options), intervals, entry.contact_models
+        )
     simulated = test(entry.sizes, **options)
     if isinstance(simulated, HasUserFunctions):
         simulated = simulated.with_targets(entry.responses)
@@ -111,7 +111,3 @@ def _solver(test: type[BulkTest], programs: Programs, entry: FileEntry) -> Solve
         walls,
     )
     return of_material(solver, entry.free)
-
-
-def _is_cohesive(material: Mapping[str, float]) -> bool:
-    return any(value for name, value in material.items() if plain_name(name) in COHESION)

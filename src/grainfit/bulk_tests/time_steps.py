@@ -1,0 +1,86 @@
+"""The largest time step of a bulk test: what its contact law and the stress on its bed allow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.stiffness import UnderLoad
+from grainfit.contact_models.registry import contact_law
+from grainfit.scenes.packing import mean_particle_volume
+
+#: Young's modulus over the largest stress of the bed in which the safe share of the Rayleigh time
+#: step of contact laws was measured, and of the stiffest bed (benchmarks/time_steps.py).
+_SOFT_BED, _STIFF_BED = 250.0, 6_800.0
+#: Solid height of a bed whose cross-section changes, in diameters: that of most default tests.
+_USUAL_LAYERS = 7.0
+_LOWER_IS_WORSE = (".restitution", ".youngs_modulus")
+
+
+def least_stable(intervals: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """Return the material within intervals that needs the smallest share of the Rayleigh time step.
+
+    That is the softest and heaviest one with the lowest restitution, and the most friction, damping
+    and cohesion.
+
+    Parameters
+    ----------
+    intervals : mapping of str to tuple of float
+        Ends of the interval of every parameter by dotted name; twice the value of a fixed one.
+    """
+    return {name: e[0] if name.endswith(_LOWER_IS_WORSE) else e[1] for name, e in intervals.items()}
+
+
+def safe_time_step_fraction(
+    test: BulkTest, material: Mapping[str, float], contact_models: Iterable[str] = ()
+) -> float:
+    """Return the largest safe share of the Rayleigh time step of a test.
+
+    The stiffness of a Hertz contact follows (stress / E)^(1/3), the Rayleigh time step does not.
+    So the share of it that is stable follows (E / stress)^(1/6). The stress is that of the test and
+    the weight of all its particles on its cross-section. Measured in beds of 250 to 6,800, above
+    which it does not grow any more.
+
+    Parameters
+    ----------
+    test : BulkTest
+        The test; of one that a user has written the stress is not known.
+    material : mapping of str to float
+        Values by dotted name; of free parameters those of `least_stable`.
+    contact_models : iterable of str
+        Contact models that replace the usual ones of their kind.
+    """
+    share = contact_law(material, contact_models).time_step_fraction(material)
+    if user_functions(test):
+        return share
+    number = min(material[MODULUS] / _largest_stress(test, material), _STIFF_BED)
+    return share * float(number / _SOFT_BED) ** (1 / 6)
+
+
+def usual_time_step_fraction(
+    test: BulkTest,
+    intervals: Mapping[str, tuple[float, float]],
+    contact_models: Iterable[str] = (),
+) -> float:
+    """Return the default share of the Rayleigh time step of a test in a calibration.
+
+    The safe one with every free parameter, rounded down, because it is part of a run's identity.
+    See `least_stable` and `safe_time_step_fraction`.
+    """
+    safe = safe_time_step_fraction(test, least_stable(intervals), contact_models)
+    return math.floor(100 * safe + 1e-9) / 100
+
+
+def _largest_stress(test: BulkTest, material: Mapping[str, float]) -> float:
+    """Stress at the bottom of a test, without friction at walls, Pa."""
+    diameter = test.sizes.sauter_diameter
+    try:
+        volume = test.number_of_particles * mean_particle_volume(test.sizes)
+        height = volume / test.footprint.area
+    except NotImplementedError:
+        height = _USUAL_LAYERS * diameter
+    load = material[MODULUS] / test.stiffness_number(material) if isinstance(test, UnderLoad) else 0
+    return material[DENSITY] * float(test.gravity) * height + load

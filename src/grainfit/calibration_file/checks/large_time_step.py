@@ -1,0 +1,31 @@
+"""A check of time steps that are too large for the contact law and the bed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from grainfit.bulk_tests.time_steps import least_stable, safe_time_step_fraction
+from grainfit.calibration_file.checks.context import FileContext
+from grainfit.checks import Found, check
+from grainfit.errors import InputError
+
+
+@check("large-time-step", "warning")
+def large_time_step(context: FileContext) -> Iterator[Found]:
+    """Time steps that are too large for the contact law, the restitution, or the soft bed."""
+    material = least_stable(context.intervals)
+    for name, test in context.bulk_tests.items():
+        fraction = float(test.time_step_fraction)
+        try:
+            safe = safe_time_step_fraction(test, material, context.contact_models)
+        except InputError:
+            # Another message says that there is no contact law.
+            return
+        if fraction > safe:
+            yield (
+                context.key(name, "time_step_fraction"),
+                f"Test {name}: a time step of {fraction:.3g} of the Rayleigh time step is more "
+                f"than the {safe:.2g} that is safe with this contact law, restitution and "
+                "stiffness. Beds may never come to rest, or come to rest up to 16 % too dense "
+                "without any error.",
+            )
