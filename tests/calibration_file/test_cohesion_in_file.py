@@ -162,7 +162,7 @@ def test_a_time_step_that_is_too_large_for_cohesion_is_named(tmp_path: Path) -> 
     free = free.replace("rolling_damping = 0.25", "rolling_damping = 0")
 
     assert any(
-        "more than the 0.11 that is safe" in note for note in setup_of(tmp_path, free).notes()
+        "more than the 0.12 that is safe" in note for note in setup_of(tmp_path, free).notes()
     )
     dry = free.replace('{ min = 0, max = "0.5 J/m^2" }', "0")
     assert not any("that is safe" in note for note in setup_of(tmp_path, dry).notes())
@@ -171,7 +171,7 @@ def test_a_time_step_that_is_too_large_for_cohesion_is_named(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("text", "fraction"),
     [
-        (sticky(), 0.11),
+        (sticky(), 0.12),
         (sticky().replace("0.79", "0.2"), 0.07),
         (sticky('{ min = 0, max = "0.5 J/m^2" }').replace("0.79", "0.2"), 0.07),
         (damp().replace("0.79", "0.2"), 0.07),

@@ -56,7 +56,7 @@ def test_the_first_tutorial_checks_and_draws_its_test(
 
     assert (tmp_path / "beads.preview.html").is_file()
     page = (ROOT / "docs" / "tutorials" / "glass_beads.md").read_text(encoding="utf-8")
-    for quoted in ("about 9,402 steps", "E/(ρ g d) = 1750"):
+    for quoted in ("about 5,938 steps", "E/(ρ g d) = 1750"):
         assert quoted in page
         assert quoted in printed
 
@@ -80,7 +80,7 @@ def test_the_file_of_the_pellets_is_written_changed_and_checked(
 
     assert Path("pellets.preview.html").is_file()
     page = (ROOT / "docs" / "tutorials" / "pellets.md").read_text(encoding="utf-8")
-    for quoted in ("particle.density is free, 850 kg/m^3 to 1050 kg/m^3", "about 70,983 steps"):
+    for quoted in ("particle.density is free, 850 kg/m^3 to 1050 kg/m^3", "about 27,478 steps"):
         assert quoted in page
         assert quoted in printed
 

@@ -1,8 +1,8 @@
 """Stiffness of particles, and the bulk density that their overlap adds.
 
-DEM particles are usually far softer than real ones, because the time step is proportional to
-1 / sqrt(E). Soft particles overlap under the load of a bed, which packs more densely for it: the
-angle of repose of a heap does not depend on it, its bulk density does.
+DEM particles are usually far softer than real ones, because their time steps are longer. Soft
+particles overlap under the load of a bed, which packs more densely for it: the angle of repose of a
+heap does not depend on it, its bulk density does.
 """
 
 from __future__ import annotations

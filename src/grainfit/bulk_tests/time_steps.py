@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from grainfit.bulk_tests.abilities import user_functions
-from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import UnderLoad
 from grainfit.contact_models.registry import contact_law
@@ -42,20 +43,23 @@ def safe_time_step_fraction(
     The stiffness of a Hertz contact follows (stress / E)^(1/3), the Rayleigh time step does not.
     So the share of it that is stable follows (E / stress)^(1/6). The stress is that of the test and
     the weight of all its particles on its cross-section. Measured in beds of 250 to 6,800, above
-    which it does not grow any more.
+    which it does not grow any more. More than `TIME_STEP_FRACTION` is not measured of clumps, which
+    touch in several places at once, and of cohesive particles; of a test that a user has written,
+    the stress is not known.
 
     Parameters
     ----------
     test : BulkTest
-        The test; of one that a user has written the stress is not known.
+        The test.
     material : mapping of str to float
         Values by dotted name; of free parameters those of `least_stable`.
     contact_models : iterable of str
         Contact models that replace the usual ones of their kind.
     """
-    share = contact_law(material, contact_models).time_step_fraction(material)
-    if user_functions(test):
-        return share
+    law = contact_law(material, contact_models)
+    share = law.time_step_fraction(material)
+    if user_functions(test) or law.cohesion is not None or test.sizes.shape is not None:
+        return min(share, TIME_STEP_FRACTION)
     number = min(material[MODULUS] / _largest_stress(test, material), _STIFF_BED)
     return share * float(number / _SOFT_BED) ** (1 / 6)
 
@@ -72,6 +76,16 @@ def usual_time_step_fraction(
     """
     safe = safe_time_step_fraction(test, least_stable(intervals), contact_models)
     return math.floor(100 * safe + 1e-9) / 100
+
+
+def with_safe_time_step(
+    test: BulkTest,
+    intervals: Mapping[str, tuple[float, float]],
+    contact_models: Iterable[str] = (),
+) -> BulkTest:
+    """Return a test with a time step of the usual share at most, see `usual_time_step_fraction`."""
+    usual = usual_time_step_fraction(test, intervals, contact_models)
+    return replace(test, time_step_fraction=min(float(test.time_step_fraction), usual))
 
 
 def _largest_stress(test: BulkTest, material: Mapping[str, float]) -> float:

@@ -50,10 +50,10 @@ name = "glass beads"                    # for you; choose freely
 diameter = "10 mm"
 # Instead, a particle size distribution, by mass as from a sieve analysis:
 # diameter = [{ value = "8 mm", mass_fraction = 0.3 }, { value = "10 mm", mass_fraction = 0.7 }]
-# Far softer than glass, because the number of time steps is proportional to its square root.
+# Far softer than glass, because the number of time steps grows with its cubic root.
 # Overlaps of soft particles add to bulk densities, which the fitted particle density then makes up
 # for: less than 2 % in beds under their own weight, 6 % in a compression test at 10 kPa (which
-# needs at least 10 MPa). "0.4 MPa" has a fifth of the time steps, but 13 % too much in a heap.
+# needs at least 10 MPa). "0.4 MPa" has a third of the time steps, but 13 % too much in a heap.
 # Measure it: grainfit stiffness FILE
 youngs_modulus = "10 MPa"
 # Were it free, it would span orders of magnitude, and be searched by them:

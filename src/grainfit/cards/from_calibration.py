@@ -44,7 +44,8 @@ def make_card(
     ratio = next((p.value for p in parameters if p.name == ASPECT_RATIO), 1.0)
     sizes = _sizes(reading, conditions, ratio)
     rayleigh = _rayleigh_time_step(parameters, sizes)
-    fraction = min((found.time_step_fraction for found in conditions), default=TIME_STEP_FRACTION)
+    # The bed that the card is for is not known: it may be deeper than those of the tests.
+    fraction = min([TIME_STEP_FRACTION, *(found.time_step_fraction for found in conditions)])
     tests = bulk_tests_of(reading)
     stiff = stiffness_notes(reading.problem, tests, reading.fixed, answer.parameters)
     return MaterialCard(

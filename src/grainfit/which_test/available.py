@@ -11,6 +11,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import sized_for
 from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import PLAIN, on_wall, walls_among, with_plain_wall
@@ -175,6 +176,8 @@ class _Maker:
             raise InputError(faults)
         fixed = {name: value for name, value in self.material.items() if name not in self.free}
         models = self.program.model().get("contact_models", ())
+        values = {name: (value, value) for name, value in self.material.items()}
+        test = with_safe_time_step(test, values, models)
         walls = {part: wall for part in kind.parts or () for wall in self._usual_wall if wall}
         make = DEM_PROGRAMS[self.program.name]
         solver: Solver = make(test, fixed, contact_models=models, walls=walls)

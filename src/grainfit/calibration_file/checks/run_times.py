@@ -10,7 +10,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
-from grainfit.bulk_tests.time_steps import usual_time_step_fraction
+from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
@@ -92,9 +92,10 @@ def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
         needed = 1e6 * float(number(needed / 1e6, 2))
         if needed >= _WORTH_IT * modulus or any(_refuses(context, needed, *one) for one in tests):
             return
+        intervals = {**context.intervals, MODULUS: (needed, needed)}
         seconds = {
             name: solver.estimate_cost_of(
-                _with_stable_step(context, test, needed),
+                with_safe_time_step(test, intervals, context.contact_models),
                 {**_material(context, solver), MODULUS: needed},
             ).wall_seconds
             for name, solver, test in tests
@@ -106,13 +107,6 @@ def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
         f"{100 * _TOLERATED_EXCESS:.0f} % to bulk densities"
     )
     yield words, seconds
-
-
-def _with_stable_step(context: FileContext, test: BulkTest, modulus: float) -> BulkTest:
-    """Return a test with the share of the Rayleigh time step that softer particles have."""
-    intervals = {**context.intervals, MODULUS: (modulus, modulus)}
-    usual = usual_time_step_fraction(test, intervals, context.contact_models)
-    return replace(test, time_step_fraction=min(float(test.time_step_fraction), usual))
 
 
 def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
