@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import json
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -20,7 +21,14 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.evaluation import Response
 from grainfit.run_definition import RunDefinition
 
-COMMANDS = (["--help"], ["--version"], ["status", "work"], ["runs", "list", "work"])
+COMMANDS = (
+    ["--help"],
+    ["--version"],
+    ["status", "work"],
+    ["runs", "list", "work"],
+    ["check", "calibration.toml"],
+)
+EXAMPLE = Path(__file__).parents[1] / "examples" / "glass_beads" / "calibration.toml"
 #: Programs to compare with: their ratio does not depend on the computer.
 BARE = {"python": "pass", "python, numpy": "import numpy"}
 
@@ -69,6 +77,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "work").mkdir()
         fill(Path(folder) / "work", options.runs)
+        shutil.copy(EXAMPLE, folder)
         # In turns, so that a busy computer slows all of them.
         for _ in range(options.repeat):
             for name, arguments in programs.items():

@@ -28,6 +28,22 @@ _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SIGNS = {"%": "percent", "°": "degree", "°C": "degC", "°F": "degF"}
 #: Units of results with one of these dimensions, instead of products of base units.
 _SI_UNITS = ("", "deg", "m", "s", "kg", "Pa", "N", "J", "kg/m^3", "m/s", "kg/s", "1/s", "J/m^2")
+#: Factors of pint for the units that most quantities have, by SI unit: pint takes a quarter of a
+#: second to start.
+_FACTORS = {
+    "m": {"m": 1.0, "cm": 0.01, "mm": 0.001},
+    "s": {"s": 1.0, "ms": 0.001, "min": 60.0, "h": 3600.0},
+    "kg": {"kg": 1.0, "g": 0.001},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+    "kg/m^3": {"kg/m^3": 1.0, "kg/m3": 1.0, "kg/m³": 1.0, "g/cm^3": 999.9999999999999},
+    "m/s": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001},
+    "kg/s": {"kg/s": 1.0, "g/s": 0.001},
+    "J/m^2": {"J/m^2": 1.0, "mJ/m^2": 0.001},
+    "deg": {"deg": 1.0, "°": 1.0},
+    "rad/s": {"rpm": 0.10471975511965977},
+    "": {"%": 0.01},
+}
+_USUAL = {name: (unit, by) for unit, names in _FACTORS.items() for name, by in names.items()}
 _EXAMPLES = {
     "m": "10 mm",
     "Pa": "0.36 MPa",
@@ -107,6 +123,8 @@ def to_si(text: str) -> tuple[float, str]:
     _, written = _split(text, "")
     if not written:
         raise UnitError(messages.NO_UNIT_AT_ALL.fault("", given=text))
+    if usual := _USUAL.get(written):
+        return to_unit(text, usual[0]), usual[0]
     try:
         base = _base(_parse(written))
         unit = next((name for name in _SI_UNITS if _base(_parse(name)) == base), None)
@@ -216,6 +234,13 @@ def _split(text: str, unit: str) -> tuple[float, str]:
 
 
 def _convert(number: float, written: str, expected: str, text: str) -> float:
+    unit, factor = _USUAL.get(written, (None, math.nan))
+    if unit == expected:
+        return _rounded(number * factor)
+    return _by_pint(number, written, expected, text)
+
+
+def _by_pint(number: float, written: str, expected: str, text: str) -> float:
     from pint import PintError
 
     target = _parse(expected)
@@ -236,6 +261,10 @@ def _convert(number: float, written: str, expected: str, text: str) -> float:
     except (PintError, ArithmeticError):
         fault = messages.NOT_CONVERTED.fault("", given=text, unit=expected, remedy=remedy)
         raise UnitError(fault) from None
+    return _rounded(value)
+
+
+def _rounded(value: float) -> float:
     # Conversion loses the last digit: 9 mm must be 0.009 m, not 0.009000000000000001 m.
     return float(f"{value:.15g}")
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import qmc
 
 import grainfit
-from grainfit.analysis.analysis import Analysis, analyse
+from grainfit.analysis.analysis import Analysis, analyse, analyse_parameters
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
@@ -94,7 +94,10 @@ def test_a_calibration_of_two_frictions_and_a_density_is_seen_through(whole: Ana
     assert whole.pareto.probability_all_met[-1] < 0.01
 
 
-def test_the_same_runs_give_the_same_analysis(whole: Analysis) -> None:
+def test_the_same_runs_give_the_same_analysis(
+    whole: Analysis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grainfit.analysis.analysis._last", None)
     again = analyse(PROBLEM, runs(PROBLEM, 36, failing=4), answer=ANSWER)
     np.testing.assert_array_equal(again.posterior.points, whole.posterior.points)
     np.testing.assert_array_equal(again.sensitivity.total_high, whole.sensitivity.total_high)
@@ -203,3 +206,21 @@ def test_fourteen_parameters_can_be_analysed() -> None:
     assert found.identifiability.verdicts[-1].startswith("p3 is determined")
     assert sum("not determined" in verdict for verdict in found.identifiability.verdicts) >= 10
     assert found.sensitivity.total[0].argmax() == 3
+
+
+def test_report_takes_the_sample_of_the_result_and_no_other() -> None:
+    made = runs(STATIC, 12)
+    result = analyse_parameters(STATIC, made, answer=ANSWER).posterior
+    known = [replace(e, seconds=9.0, reused=1) for e in made]
+    assert analyse(STATIC, known, answer=ANSWER).posterior is result
+    other = replace(made[0], responses={**made[0].responses, "angle": Response(31.0)})
+    narrower = replace(STATIC, targets=[Target("angle", 30.0, uncertainty=0.4)])
+    for problem, evaluations, seed in (
+        (STATIC, [other, *made[1:]], 1),
+        (narrower, made, 1),
+        (STATIC, made, 2),
+    ):
+        sample = analyse(problem, evaluations, seed=seed, answer=ANSWER).posterior
+        assert sample is not None
+        assert result is not None
+        assert not np.array_equal(sample.points, result.points)

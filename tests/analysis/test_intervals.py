@@ -202,6 +202,7 @@ def test_a_second_ctrl_c_costs_the_intervals_and_not_the_result(
     def interrupt(*_arguments: object, **_options: object) -> None:
         raise KeyboardInterrupt
 
+    monkeypatch.setattr("grainfit.analysis.analysis._last", None)
     monkeypatch.setattr("grainfit.analysis.analysis.sample_posterior", interrupt)
     result = gf.calibrate(RIDGE, ridge, workdir=tmp_path)
     assert result.status == "calibrated"

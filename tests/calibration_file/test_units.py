@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grainfit.units import UnitError, is_unit, percentage, to_unit
+from grainfit import units
+from grainfit.units import UnitError, is_unit, percentage, to_si, to_unit
 
 
 @pytest.mark.parametrize(
@@ -38,6 +39,17 @@ from grainfit.units import UnitError, is_unit, percentage, to_unit
 )
 def test_quantities_are_converted(text: str, unit: str, expected: float) -> None:
     assert to_unit(text, unit) == expected
+
+
+USUAL = "m cm mm s ms min h kg g Pa kPa MPa GPa kg/m^3 kg/m3 kg/m³ g/cm^3 m/s cm/s mm/s kg/s g/s"
+
+
+@pytest.mark.parametrize("unit", [*USUAL.split(), "J/m^2", "mJ/m^2", "deg", "°", "rpm", "%"])
+def test_usual_units_are_those_of_pint(unit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    texts = [f"{number} {unit}" for number in (0.3, 0.0457, 1.7, 9, 22.35, 1234.567, 8e-7, 3.1e9)]
+    found = [to_si(text) for text in texts]
+    monkeypatch.setattr(units, "_USUAL", {})
+    assert found == [to_si(text) for text in texts]
 
 
 def test_angles_are_in_degrees() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from grainfit.report import verdict_messages as messages
 from grainfit.work_folder.status import read_status
 from tests.commands import grainfit_here
 
+GLASS_BEADS = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
 MODEL = """
 import random
 import time
@@ -316,6 +318,23 @@ def test_help_and_status_do_not_wait_for_libraries_that_they_do_not_need(tmp_pat
         assert "grainfit" in modules
         assert not slow & modules
         assert ("sqlalchemy" in modules) == ("work" in arguments)
+
+
+def test_check_loads_no_library_that_it_does_not_need(tmp_path: Path) -> None:
+    shutil.copy(GLASS_BEADS, tmp_path)
+    program = (
+        "import sys\n"
+        "from grainfit.cli.app import app\n"
+        "app(['check', 'calibration.toml'], standalone_mode=False)\n"
+        "print(*sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    modules = set(done.stdout.splitlines()[-1].split())
+    assert "grainfit.calibration_file.plan" in modules
+    slow = {"emcee", "pandas", "pint", "plotly", "scipy.stats", "sqlalchemy"}
+    assert not slow & modules
 
 
 def test_everything_public_is_there_when_it_is_first_used() -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from grainfit.analysis.fitting import fit_runs
+from grainfit.analysis.fitting import Fitted, fit_runs
 from grainfit.analysis.identifiability import Identifiability, assess_identifiability
 from grainfit.analysis.intervals import parameter_intervals
 from grainfit.analysis.pareto import ParetoFront, pareto_front
@@ -126,10 +127,9 @@ def analyse_parameters(
         With metamodels, their quality, posterior and intervals.
     """
     with threadpool_limits(limits=1, user_api="blas"):
-        fitted = fit_runs(problem, evaluations, seed=seed, answer=answer)
-        if fitted.whole is None or fitted.reduced is None:
+        fitted, posterior = _fitted_and_sampled(problem, evaluations, seed, answer)
+        if fitted.whole is None or fitted.reduced is None or posterior is None:
             return Analysis(notes=fitted.notes)
-        posterior = sample_posterior(fitted.reduced, seed=seed)
         return Analysis(
             metamodels=fitted.reduced,
             quality=metamodel_quality(fitted.whole, spread=_is_spread(fitted.runs)),
@@ -137,6 +137,29 @@ def analyse_parameters(
             intervals=parameter_intervals(posterior, problem, answer, biases),
             notes=(*fitted.notes, *(() if posterior.converged else (posterior.convergence,))),
         )
+
+
+#: Last call of `_fitted_and_sampled`: the report of a run asks again for what the result has.
+_last: tuple[Any, tuple[Fitted, Posterior | None]] | None = None
+
+
+def _fitted_and_sampled(
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    seed: int,
+    answer: Mapping[str, float] | None,
+) -> tuple[Fitted, Posterior | None]:
+    global _last
+    # All but wall times, and the share of runs that were known.
+    told = [(e.proposal, e.responses, e.curves, e.failures, e.made_at) for e in evaluations]
+    asked = (problem, told, seed, answer)
+    last = _last
+    if last is None or last[0] != asked:
+        fitted = fit_runs(problem, evaluations, seed=seed, answer=answer)
+        reduced = fitted.reduced
+        posterior = None if reduced is None else sample_posterior(reduced, seed=seed)
+        last = _last = asked, (fitted, posterior)
+    return last[1]
 
 
 def _is_spread(evaluations: Sequence[Evaluation]) -> bool:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
@@ -23,7 +22,6 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.settings import quantity_of, set_values
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
-from grainfit.campaign.work_folder import default_workdir
 from grainfit.contact_models.registry import material_units
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
@@ -187,6 +185,10 @@ class CalibrationSetup:
         >>> import grainfit as gf
         >>> gf.load("beads.toml").calibrate(progress=True)  # doctest: +SKIP
         """
+        # Imported here: `check` runs nothing, and needs no store.
+        from grainfit.calibration.calibrate import calibrate
+        from grainfit.campaign.work_folder import default_workdir
+
         folder = Path(workdir) if workdir is not None else default_workdir(self.file.path)
         named = strategy if isinstance(strategy, str) else None
         options = self.options(named, **given)
