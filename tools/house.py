@@ -33,6 +33,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "files",
         "plain_data",
         "registration",
+        "relative_names",
         "student",
     ),
     ("options", "tables", "verdict"),

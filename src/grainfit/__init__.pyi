@@ -37,6 +37,7 @@ from grainfit.opened import open_calibration
 from grainfit.problem import CurveTarget as CurveTarget
 from grainfit.problem import Parameter as Parameter
 from grainfit.problem import Problem as Problem
+from grainfit.problem import Relative as Relative
 from grainfit.problem import Target as Target
 from grainfit.problem import TestScope as TestScope
 from grainfit.report.page import write_report as write_report

@@ -20,7 +20,7 @@ from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.readiness import require_ready
 from grainfit.calibration.runs_to_come import largest_scatter, with_recorded_scatters
-from grainfit.calibration.scopes import repeats_of, restricted, with_scopes
+from grainfit.calibration.scopes import relatives_of, repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold
@@ -62,6 +62,7 @@ def calibrate(
     verification_runs: int | None = None,
     timeouts: Mapping[str, float] | None = None,
     repeats: int | Mapping[str, int] = 1,
+    relatives: Mapping[str, Solver] | None = None,
     executor: Executor | None = None,
     runs_from: str | Path | Sequence[str | Path] = (),
     store: str | None = None,
@@ -104,6 +105,9 @@ def calibrate(
     repeats : int or mapping of str to int
         Runs with different seeds whose mean is one evaluation, of every test or by name of the
         test; 1 by default.
+    relatives : mapping of str to Solver, optional
+        Solvers of the cheaper relatives that `Problem.relatives` declares, by name of the test.
+        Their runs tell where those of the tests are worth making; no verdict rests on them.
     executor : concurrent.futures.Executor, optional
         Executor of the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
         see the work folder at the same path. It is not shut down. By default threads that wait for
@@ -164,6 +168,7 @@ def calibrate(
     means = repeats_of(problem, solvers, given_repeats)
     problem = with_recorded_scatters(problem, solvers, means)
     solvers = restricted(problem, solvers)
+    cheaper = relatives_of(problem, relatives or {})
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)
     verification_runs = verification_runs or VERDICT.fresh_seeds
@@ -192,14 +197,14 @@ def calibrate(
             options = replace(options, live_file=stack.enter_context(LiveFile(folder)))
         for source in [runs_from] if isinstance(runs_from, str | Path) else runs_from:
             with open_source(source) as other:
-                take_runs(other, problem, solvers, runs)
+                take_runs(other, problem, {**solvers, **cheaper}, runs)
         shared = None
         if store is not None:
             shared = stack.enter_context(share(store, folder, runs))
             shared.patiently(lambda other: take_runs(other, problem, solvers, runs))
         if retry_failed:
             _forget_failed(runs, shared)
-        limits = default_timeouts(problem, solvers) | dict(timeouts or {})
+        limits = default_timeouts(problem, {**solvers, **cheaper}) | dict(timeouts or {})
         limits = {test: seconds for test, seconds in limits.items() if seconds < math.inf}
         making = CampaignOptions(
             workers,
@@ -209,9 +214,10 @@ def calibrate(
             needed=needed_responses(problem, solvers),
             repeats=means,
         )
-        campaign = Campaign(solvers, runs, folder, making, shared)
+        campaign = Campaign(solvers, runs, folder, making, shared, cheaper)
         stack.callback(campaign.close)
-        result = CalibrationLoop(problem, search, campaign, runs, options).run()
+        own = replace(problem, relatives=())
+        result = CalibrationLoop(own, search, campaign, runs, options).run()
         return result if folder is None else _keep(result, folder / RESULT_NAME)
 
 

@@ -66,7 +66,11 @@ class LoopOptions:
 
 
 class CalibrationLoop:
-    """Loop of proposals and evaluations until the answer is verified."""
+    """Loop of proposals and evaluations until the answer is verified.
+
+    The search may run relatives of the tests. The problem of the loop has none: its verdict, its
+    intervals and its report rest on runs of the tests alone.
+    """
 
     def __init__(
         self,
@@ -108,11 +112,15 @@ class CalibrationLoop:
         """Return the runs for the warm start; a later start uses those of the first start."""
         earlier = self._store.calibration(self._identity)
         if earlier is None:
-            records = self._store.runs_of(models_of(self._campaign.solvers))
+            solvers = {**self._campaign.solvers, **self._campaign.relatives}
+            records = self._store.runs_of(models_of(solvers))
         else:
             records = list(self._store.find_many(earlier.known).values())
         campaign = self._campaign
         known = runs_of(self._problem, campaign.solvers, records, campaign.repeats)
+        for name, solver in campaign.relatives.items():
+            single = replace(self._problem, tests=())
+            known += runs_of(single, {name: solver}, records, campaign.repeats)
         chosen = nearest_runs(self._problem, known, seed=self._strategy.seed)
         used = {run for evaluation in chosen for run in evaluation.runs.values()}
         self._origins = Counter(record.origin for record in records if record.identity in used)
@@ -131,6 +139,7 @@ class CalibrationLoop:
             "seed": self._strategy.seed,
             "options": self._strategy.definition,
             **self._rayleigh(),
+            **self._relatives(),
             **({"correlations": list(problem.correlations)} if problem.correlations else {}),
             **({"curves": [one.to_json() for one in problem.curves]} if problem.curves else {}),
         }
@@ -141,6 +150,14 @@ class CalibrationLoop:
         if known is None:
             return {}
         return {"rayleigh": known.to_json(), "rayleigh_weight": self._problem.rayleigh_weight}
+
+    def _relatives(self) -> dict[str, Any]:
+        """Return the identities of the relatives' runs, if there are any, and their costs."""
+        costs = {one.name: one.cost for one in self._strategy.problem.relatives}
+        if not costs:
+            return {}
+        sample = Proposal(self._problem.middle, 1, "design", tuple(costs))
+        return {"relatives": self._campaign.identities(sample), "costs": costs}
 
     def _about(self, known: Sequence[Evaluation]) -> dict[str, Any]:
         return {
@@ -210,7 +227,8 @@ class CalibrationLoop:
         names = [parameter.name for parameter in self._problem.parameters]
         for request in recorded:
             try:
-                request.require_part_of(names, self._campaign.solvers)
+                tests = [*self._campaign.solvers, *self._campaign.relatives]
+                request.require_part_of(names, tests)
             except ValueError as error:
                 place = f"table requests, row {self._identity} {request.position}"
                 raise self._store.damaged(f"{place}: {error}") from error

@@ -24,6 +24,13 @@ IDLE_PARAMETER = Message(
     "Give it a value, or correct its name in the file or in your model.",
 )
 TEST_WITHOUT_SOLVER = Message("is a test without a solver.", "There are solvers for: {tests}.")
+RELATIVE_WITHOUT_SOLVER = Message(
+    "has a relative without a solver.", "There are solvers of relatives of: {tests}."
+)
+NO_RELATIVE = Message(
+    "has a solver of a relative that the problem does not declare.",
+    "Name it in the relatives of the problem.",
+)
 TARGET_WITHOUT_TEST = Message(
     "is a target of no test.", "Name every target in the TestScope of its test."
 )

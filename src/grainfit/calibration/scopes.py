@@ -39,7 +39,7 @@ def with_scopes(
         _require_scopes(problem, solvers)
         scopes = [replace(s, repeats=repeats.get(s.name, s.repeats)) for s in problem.tests]
         return replace(problem, tests=scopes)
-    if len(solvers) < 2:
+    if len(solvers) < 2 and not problem.relatives:
         return problem
     used = used_parameters(problem, solvers)
     if not all(used.values()):
@@ -67,6 +67,38 @@ def repeats_of(
     """Return the runs per evaluation of every test: as given, or else those of its scope."""
     stated = {scope.name: scope.repeats for scope in problem.tests}
     return {test: repeats.get(test, stated.get(test, 1)) for test in solvers}
+
+
+def relatives_of(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Solver]:
+    """Return the solvers of the relatives of tests by the names of their runs.
+
+    Parameters
+    ----------
+    problem : Problem
+        Problem with the scopes of its tests.
+    solvers : mapping of str to Solver
+        Solvers of the relatives by name of the test.
+
+    Raises
+    ------
+    InputError
+        A solver is missing, or there is one that the problem does not declare.
+    """
+    declared = {one.of: one for one in problem.relatives}
+    known = ", ".join(solvers) or "none"
+    faults = [
+        messages.RELATIVE_WITHOUT_SOLVER.fault(test, tests=known)
+        for test in declared
+        if test not in solvers
+    ]
+    faults += [messages.NO_RELATIVE.fault(test) for test in solvers if test not in declared]
+    if faults:
+        raise InputError(faults)
+    names = {parameter.name for parameter in problem.parameters}
+    return {
+        one.name: _without(solvers[test], names.difference(problem.scope_of_test(test).parameters))
+        for test, one in declared.items()
+    }
 
 
 def _require_scopes(problem: Problem, solvers: Mapping[str, Solver]) -> None:

@@ -36,6 +36,7 @@ from grainfit.evaluation import (
     run_name,
     scalars,
 )
+from grainfit.relative_names import is_relative
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 
@@ -127,6 +128,9 @@ class Campaign:
         Options for executing runs.
     shared : SharedRuns, optional
         Store through which runs are exchanged with other processes.
+    relatives : mapping of str to Solver
+        Solvers of cheaper relatives of the tests, by `relative_name`. They run for proposals that
+        name them.
     """
 
     def __init__(
@@ -136,8 +140,11 @@ class Campaign:
         folder: Path | None,
         options: CampaignOptions | None = None,
         shared: SharedRuns | None = None,
+        relatives: Mapping[str, Solver] | None = None,
     ) -> None:
-        self._solvers = dict(solvers)
+        self._tests = dict(solvers)
+        self.relatives = dict(relatives or {})
+        self._solvers = {**self._tests, **self.relatives}
         _require_names_of_tests(solvers)
         self._store = store
         self._shared = shared
@@ -167,7 +174,7 @@ class Campaign:
     @property
     def tests(self) -> int:
         """Number of tests."""
-        return len(self._solvers)
+        return len(self._tests)
 
     @property
     def folder(self) -> Path:
@@ -177,7 +184,7 @@ class Campaign:
     @property
     def solvers(self) -> Mapping[str, Solver]:
         """Solvers by name of the test."""
-        return self._solvers
+        return self._tests
 
     @property
     def repeats(self) -> dict[str, int]:
@@ -187,7 +194,7 @@ class Campaign:
     @property
     def runs_per_set(self) -> int:
         """Runs of one evaluation of every test."""
-        return sum(self.repeats.values())
+        return sum(self.repeats[test] for test in self._tests)
 
     def identities(self, proposal: Proposal) -> dict[str, str]:
         """Identities of the runs of a proposal, by name of the run."""
@@ -198,7 +205,7 @@ class Campaign:
         return {
             run_name(test, number): _Run(test, seed, solver.definition(proposal.parameters, seed))
             for test, solver in self._solvers.items()
-            if proposal.asks_for(test)
+            if proposal.asks_for(test) and (proposal.tests or not is_relative(test))
             for number, seed in enumerate(seeds_of(proposal.seed, self.repeats[test]), 1)
         }
 
@@ -566,7 +573,7 @@ def evaluation_of(
         for test in names_of_tests(records)
     }
     found = {
-        response_name(test, name, tests): response
+        response_name(test, name, 2 if is_relative(test) else tests): response
         for test, outcome in of_tests.items()
         for name, response in outcome.responses.items()
     }

@@ -463,7 +463,8 @@ class Kriging:
             ]
             joint, known = (np.array(part) for part in zip(*parts, strict=True))
             variance = np.maximum(there.variance - self._weights @ known, 0.0)
-            covariance = np.tensordot(self._weights, joint, axes=1)
+            # A known relative takes its part from the variance of the mean, which is inflated.
+            covariance = math.sqrt(self._inflation) * np.tensordot(self._weights, joint, axes=1)
             return self._scale**2 * covariance, self._scale**2 * variance
 
         return covariances
@@ -816,11 +817,11 @@ def _most_probable_fit(
 def _with_relative(fit: _Fit, data: _Data, relative: RelativePrior) -> _Fit:
     """Average a fit without a relative with those at several ratios to it, by their evidence."""
     at_runs = relative.at(data.points)
-    fits: list[tuple[float, float, list[Hyperparameters]]] = []
+    posteriors: dict[float, HyperparameterPosterior] = {}
     with threadpool_limits(limits=1, user_api="blas"):
-        for ratio, prior in RATIOS.items():
+        for ratio in RATIOS:
             known = np.diag(data.known_noise) + ratio**2 * at_runs.covariance
-            posterior = HyperparameterPosterior(
+            posteriors[ratio] = HyperparameterPosterior(
                 data.points,
                 data.values - ratio * at_runs.mean,
                 data.contrasts,
@@ -828,18 +829,19 @@ def _with_relative(fit: _Fit, data: _Data, relative: RelativePrior) -> _Fit:
                 fit.ratios,
                 fit.known_variance,
             )
-            sets = posterior.hyperparameters() if ratio else fit.sets
-            fits.append((posterior.log_density + math.log(prior), ratio, sets))
-    largest = max(evidence for evidence, *_ in fits)
-    shares = np.exp([evidence - largest for evidence, *_ in fits])
-    shares[shares < _SMALLEST_SHARE] = 0.0
-    shares /= shares.sum()
-    sets = [
-        replace(one, ratio=ratio, weight=float(share * one.weight))
-        for share, (_, ratio, found) in zip(shares, fits, strict=True)
-        for one in found
-        if share
-    ]
+        evidence = [
+            posterior.log_density + math.log(RATIOS[ratio])
+            for ratio, posterior in posteriors.items()
+        ]
+        shares = np.exp(np.array(evidence) - max(evidence))
+        shares[shares < _SMALLEST_SHARE] = 0.0
+        shares /= shares.sum()
+        sets = [
+            replace(one, ratio=ratio, weight=float(share * one.weight))
+            for share, (ratio, posterior) in zip(shares, posteriors.items(), strict=True)
+            if share
+            for one in (posterior.hyperparameters() if ratio else fit.sets)
+        ]
     return fit._replace(sets=sets)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
 from grainfit.errors import RunFailedError
-from grainfit.evaluation import Evaluation
+from grainfit.evaluation import Evaluation, Response
 from grainfit.formatting import counted
 from grainfit.metamodels import messages
 from grainfit.metamodels.blow_ups import without_blow_ups
@@ -33,6 +33,8 @@ _LARGEST_EFFORT = 400_000
 #: Fixed cost of a prediction, in the same unit.
 _EFFORT_OF_ASKING = 5_000
 _FEWEST_COMPONENTS = 2
+#: Runs at different places that a metamodel needs beside a relative.
+_FEWEST_WITH_RELATIVE = 3
 #: Outcomes by which the share that meets correlated targets together is counted.
 _OUTCOMES = 512
 
@@ -382,6 +384,51 @@ class Metamodels:
         left = variances / (1 + counts * variances / scatter) + of_shifts * np.array(shrinking).T
         return np.asarray(left)
 
+    def covariance_with_relatives(self, points: Array) -> Callable[[Array], tuple[Array, Array]]:
+        """Prepare covariances of the deviations with the responses of the tests' relatives.
+
+        Returns
+        -------
+        callable
+            As of `covariance_with`; the other points are those of runs of the relatives, and a
+            target whose test has no relative has covariances and variances of 0.
+        """
+        prepared = [
+            None if model.relative is None else model.covariance_with_relative(points)
+            for model in self.models
+        ]
+        squares = self._units**2
+
+        def covariances(others: Array) -> tuple[Array, Array]:
+            joint = np.zeros((len(self.models), len(points), len(others)))
+            variances = np.zeros((len(self.models), len(others)))
+            for row, covariance in enumerate(prepared):
+                if covariance is not None:
+                    joint[row], variances[row] = covariance(others)
+            return joint / squares[:, None, None], variances / squares[:, None]
+
+        return covariances
+
+    def scatter_of_relatives_at(self, points: ArrayLike) -> Array:
+        """Return `scatter_at` of runs of the relatives, shape (m, targets); 1 without one."""
+        at = np.atleast_2d(points)
+        found = np.ones((len(at), len(self.models)))
+        for column, (model, unit) in enumerate(zip(self.models, self._units, strict=True)):
+            if model.relative is not None:
+                scatter = model.relative.scatter_at(at) / unit**2
+                found[:, column] = np.maximum(scatter, _NO_NOISE**2)
+        return found
+
+    def told_by(self, relative: str) -> NDArray[np.bool_]:
+        """Whether runs of a relative tell about each target, shape (targets,)."""
+        found = [self.problem.relative_of(target.name) for target in self.problem.targets]
+        return np.array(
+            [
+                one is not None and one.name == relative and model.relative is not None
+                for one, model in zip(found, self.models, strict=True)
+            ]
+        )
+
     def yielded_by(self, tests: Collection[str] | None) -> NDArray[np.bool_]:
         """Whether runs of some tests yield each target, shape (targets,); None for all tests."""
         targets = self.problem.targets
@@ -402,6 +449,16 @@ class Metamodels:
         models = [
             model.condition_on_pending(points[of_target]) if of_target.any() else model
             for model, of_target in zip(self.models, chosen.T, strict=True)
+        ]
+        return Metamodels(self.problem, models, self.outliers, self.reduction)
+
+    def condition_on_pending_relatives(self, points: Array, told: NDArray[np.bool_]) -> Metamodels:
+        """Add pending runs of relatives; ``told``, shape (m, targets), see `told_by`."""
+        if not told.any():
+            return self
+        models = [
+            model.condition_on_pending_relative(points[of_target]) if of_target.any() else model
+            for model, of_target in zip(self.models, told.T, strict=True)
         ]
         return Metamodels(self.problem, models, self.outliers, self.reduction)
 
@@ -432,14 +489,33 @@ def can_be_fitted(
     """Whether runs at enough different places yielded every response, or those of some names."""
     evaluations = without_blow_ups(problem, evaluations)
     return all(
-        _places(scope, runs_that_yield(problem, evaluations, name)) >= _fewest_places(scope)
+        _places(scope, runs_that_yield(problem, evaluations, name))
+        >= _fewest_places(problem, scope, evaluations, name)
         for name in (problem.responses if names is None else names)
         for scope in [problem.scope_of(name)]
     )
 
 
-def _fewest_places(scope: TestScope) -> int:
+def _fewest_places(
+    problem: Problem, scope: TestScope, evaluations: Sequence[Evaluation], name: str
+) -> int:
+    if _runs_of_relative(problem, evaluations, name):
+        return _FEWEST_WITH_RELATIVE
     return len(scope.parameters) + 2
+
+
+def _runs_of_relative(
+    problem: Problem, evaluations: Sequence[Evaluation], name: str
+) -> list[tuple[Evaluation, Response]]:
+    """Return the runs of the relative of a target, if they are enough for its metamodel."""
+    relative = problem.relative_of(name)
+    if relative is None:
+        return []
+    own = relative.response_name(name)
+    known = [(e, e.responses[own]) for e in evaluations if own in e.responses]
+    scope = problem.scope_of(name)
+    enough = _places(scope, [e for e, _ in known]) >= len(scope.parameters) + 2
+    return known if enough else []
 
 
 def _places(scope: TestScope, evaluations: Sequence[Evaluation]) -> int:
@@ -449,7 +525,7 @@ def _places(scope: TestScope, evaluations: Sequence[Evaluation]) -> int:
 def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> None:
     """Raise `RunFailedError` if too few runs yielded a response to fit a metamodel."""
     known, scope = runs_that_yield(problem, evaluations, name), problem.scope_of(name)
-    needed, places = _fewest_places(scope), _places(scope, known)
+    needed, places = _fewest_places(problem, scope, evaluations, name), _places(scope, known)
     if places >= needed:
         return
     asked = [e for e in evaluations if not problem.tests or e.proposal.asks_for(scope.name)]
@@ -473,13 +549,30 @@ def _fit(
     axes = problem.axes_of(problem.scope_of(name))
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
     responses = [e.responses[name] for e in known]
+    relative = _fit_relative(problem, evaluations, name)
     model, outliers = fit_without_outliers(
         points[:, axes],
         np.array([response.value for response in responses]),
         np.array([response.standard_error for response in responses]),
         problem.scatters.get(name, 0.0),
+        relative,
     )
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
     if len(axes) < problem.dimension:
         model = model.embedded(axes, np.delete(points, outliers.indices, axis=0))
     return model, replace(outliers, seeds=runs)
+
+
+def _fit_relative(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> Kriging | None:
+    """Fit the metamodel of the relative of a target; None without enough runs of one."""
+    known = _runs_of_relative(problem, evaluations, name)
+    if not known:
+        return None
+    axes = problem.axes_of(problem.scope_of(name))
+    points = np.array([problem.to_unit(e.proposal.parameters) for e, _ in known])
+    return fit_without_outliers(
+        points[:, axes],
+        np.array([response.value for _, response in known]),
+        np.array([response.standard_error for _, response in known]),
+        problem.scatters.get(name, 0.0),
+    )[0]

@@ -126,6 +126,7 @@ def fit_without_outliers(
     values: FloatArray,
     standard_errors: FloatArray,
     known_scatter: float = 0.0,
+    relative: Kriging | None = None,
 ) -> tuple[Kriging, Outliers]:
     """Fit a metamodel to the runs that belong together.
 
@@ -135,7 +136,7 @@ def fit_without_outliers(
         Points of the runs in the unit cube.
     values, standard_errors : ndarray, shape (n,)
         Their responses, and the stated standard errors of these.
-    known_scatter : float
+    known_scatter, relative
         As of `Kriging.fit`.
 
     Returns
@@ -149,7 +150,7 @@ def fit_without_outliers(
     ----------
     Rosner (1983), Technometrics 25, 165-172: generalised extreme studentised deviates.
     """
-    everything = _fit(points, values, standard_errors, known_scatter)
+    everything = _fit(points, values, standard_errors, known_scatter, relative)
     most = _most_outliers(*points.shape)
     if most == 0 or _largest_residual(everything)[1] < _SUSPICIOUS:
         return everything, NO_OUTLIERS
@@ -159,7 +160,7 @@ def fit_without_outliers(
     for _ in range(most if len(runs) <= _ALL_TRIED else _suspicious(everything, most)):
         kept = np.delete(kept, _largest_residual(model)[0])
         left_out = np.setdiff1d(runs, kept)
-        model = _fit(points[kept], values[kept], standard_errors[kept], known_scatter)
+        model = _fit(points[kept], values[kept], standard_errors[kept], known_scatter, relative)
         if _all_outlying(model, points[left_out], values[left_out], len(values)):
             best, outlying = model, left_out
     together = _together(points, outlying)
@@ -168,14 +169,18 @@ def fit_without_outliers(
     if together.any():
         outlying = outlying[~together]
         kept = np.setdiff1d(runs, outlying)
-        best = _fit(points[kept], values[kept], standard_errors[kept], known_scatter)
+        best = _fit(points[kept], values[kept], standard_errors[kept], known_scatter, relative)
     residuals = values[outlying] - best.predict(points[outlying]).mean
     everywhere = tuple(map(tuple, points.tolist()))
     return best, Outliers(tuple(outlying.tolist()), tuple(residuals.tolist()), everywhere)
 
 
 def _fit(
-    points: FloatArray, values: FloatArray, standard_errors: FloatArray, known_scatter: float
+    points: FloatArray,
+    values: FloatArray,
+    standard_errors: FloatArray,
+    known_scatter: float,
+    relative: Kriging | None,
 ) -> Kriging:
     """Fit a metamodel, with a scatter that changes over the cube where the runs show it."""
     return Kriging.fit(
@@ -184,6 +189,7 @@ def _fit(
         standard_errors=standard_errors,
         scatter_may_vary=True,
         known_scatter=known_scatter,
+        relative=relative,
     )
 
 

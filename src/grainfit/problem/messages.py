@@ -127,6 +127,12 @@ NO_LIST_OF_NAMES = Message("are {given!r}.", "Give a list of names.")
 NOT_A_PARAMETER = Message(
     "name {name!r}, which is not a parameter of the problem.", "There are: {known}."
 )
+NOT_CHEAPER = Message(
+    "is {given}.", "Give the computing time of its run in runs of the test: above 0, below 1."
+)
+RELATIVE_OF_NO_TEST = Message(
+    "name {of!r}, which is no test of the problem.", "There are: {known}."
+)
 GIVEN_TWICE = Message("is given as a {kind} more than once.", "Keep one of them.")
 EMPTY = Message("are empty.", "Give at least one {kind}.")
 NO_LIST_OF = Message("are {given}.", "Give a list of {kind} objects.")

@@ -25,7 +25,13 @@ from grainfit.problem.curve_target import CurveTarget
 from grainfit.problem.parameter import Parameter
 from grainfit.problem.quantities import make_plain, shown
 from grainfit.problem.target import LARGEST_WEIGHT, Target
-from grainfit.problem.test_scope import TestScope, repeated_names, scope_faults
+from grainfit.problem.test_scope import (
+    Relative,
+    TestScope,
+    relative_faults,
+    repeated_names,
+    scope_faults,
+)
 from grainfit.validation import as_number
 
 _LISTS = {"parameters": Parameter, "targets": Target, "tests": TestScope, "curves": CurveTarget}
@@ -63,6 +69,9 @@ class Problem:
     scatters : mapping of str to float
         Standard deviations of responses from run to run, by name, where they are known before the
         runs. They count as the estimates of five more runs, unless the runs contradict them.
+    relatives : sequence of Relative
+        Cheaper relatives of the tests, at most one of each: their runs tell where those of the
+        tests are worth making. Proposals name the tests and the relatives that they are for.
 
     Raises
     ------
@@ -85,6 +94,7 @@ class Problem:
     tests: Sequence[TestScope] = ()
     curves: Sequence[CurveTarget] = ()
     scatters: Mapping[str, float] = field(default_factory=dict, hash=False)
+    relatives: Sequence[Relative] = ()
 
     def __post_init__(self) -> None:
         kinds = {
@@ -92,6 +102,7 @@ class Problem:
             "targets": Target,
             "tests": TestScope,
             "curves": CurveTarget,
+            "relatives": Relative,
         }
         for key, kind in kinds.items():
             _require_sequence(key, getattr(self, key), kind)
@@ -115,6 +126,7 @@ class Problem:
                 key = f"scatters.{name}"
                 yield messages.NOT_ABOVE_ZERO.fault(key, given=shown(scatter))
         yield from scope_faults(self.tests, parameters)
+        yield from relative_faults(self.relatives, self.tests)
         if isinstance(self.rayleigh, RayleighTimeStep):
             yield from self.rayleigh.faults(self.intervals)
         elif self.rayleigh is not None:
@@ -234,6 +246,20 @@ class Problem:
         if self.tests:
             return tuple(self.tests)
         return (TestScope("", self.responses, [parameter.name for parameter in self.parameters]),)
+
+    @cached_property
+    def relative_scopes(self) -> tuple[TestScope, ...]:
+        """The relatives of tests, with the targets that they tell about."""
+        return tuple(one.scope(self.scope_of_test(one.of)) for one in self.relatives)
+
+    def scope_of_test(self, test: str) -> TestScope:
+        """Return the scope of a test by its name."""
+        return next(scope for scope in self.scopes if scope.name == test)
+
+    def relative_of(self, target: str) -> Relative | None:
+        """Return the relative of the test that yields a target; None without one."""
+        test = self.scope_of(target).name
+        return next((one for one in self.relatives if one.of == test), None)
 
     def axes_of(self, scope: TestScope) -> list[int]:
         """Return the axes of the unit cube that a test depends on."""

@@ -10,6 +10,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.one_line import one_line
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain
+from grainfit.relative_names import relative_name
 from grainfit.validation import as_number, whole_number_faults
 
 
@@ -63,6 +64,62 @@ class TestScope:
                 messages.NOT_ABOVE_ZERO.fault(f"{self.name}.seconds", given=repr(self.seconds))
             )
         make_plain(self, "seconds")
+
+
+@dataclass(frozen=True)
+class Relative:
+    """A cheaper relative of a test: the same test of softer or larger particles, for example.
+
+    Its runs tell where those of the test are worth making; no verdict rests on them.
+
+    Parameters
+    ----------
+    of : str
+        Name of the test.
+    cost : float
+        Computing time of its run, in runs of the test; above 0 and below 1.
+
+    Examples
+    --------
+    >>> Relative("heap", cost=0.25).response_name("heap.angle")
+    'heap (relative).angle'
+    """
+
+    __repr__ = one_line
+
+    of: str
+    cost: float
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.of, str):
+            raise InputError(messages.NO_TEST_NAME.fault("relative", given=self.of))
+        if not 0 < as_number(self.cost) < 1:
+            key = f"{self.of}.cost"
+            raise InputError(messages.NOT_CHEAPER.fault(key, given=repr(self.cost)))
+        make_plain(self, "cost")
+
+    @property
+    def name(self) -> str:
+        """Name of its runs."""
+        return relative_name(self.of)
+
+    def response_name(self, target: str) -> str:
+        """Return the name of its response for a target of the test."""
+        return f"{self.name}.{target.removeprefix(f'{self.of}.')}"
+
+    def scope(self, of: TestScope) -> TestScope:
+        """Return the scope of its runs, with the targets of the test that it tells about."""
+        return TestScope(self.name, of.targets, of.parameters)
+
+
+def relative_faults(relatives: Sequence[Relative], tests: Sequence[TestScope]) -> Iterator[Fault]:
+    """Yield the faults of the relatives of a problem with these tests."""
+    names = [test.name for test in tests]
+    for relative in relatives:
+        if names and relative.of not in names:
+            known = ", ".join(names)
+            yield messages.RELATIVE_OF_NO_TEST.fault("relatives", of=relative.of, known=known)
+    yield from repeated_names("test with a relative", [relative.of for relative in relatives])
 
 
 def scope_faults(tests: Sequence[TestScope], parameters: Sequence[str]) -> Iterator[Fault]:

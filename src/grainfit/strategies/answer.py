@@ -134,7 +134,7 @@ def _runs_by_worth(
     costs: RunCosts | None,
 ) -> tuple[str, ...]:
     problem = metamodels.problem
-    if len(problem.scopes) < 2:
+    if not problem.tests:
         return ()
     costs = costs or RunCosts(problem, ())
     seconds = {s.name: float(costs.seconds(s, point[None])[0]) for s in problem.scopes}

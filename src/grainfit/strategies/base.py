@@ -74,6 +74,8 @@ class Strategy(OneLine, ABC):
     name: ClassVar[str]
     #: Whether the search takes `Problem.rayleigh_weight` into account.
     uses_rayleigh_weight: ClassVar[bool] = False
+    #: Whether the search runs the relatives of tests, see `Problem.relatives`.
+    uses_relatives: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         given = {known.name: getattr(self, known.name) for known in fields(self)}
@@ -111,6 +113,11 @@ class Strategy(OneLine, ABC):
         """Raise InputError when a weight is given that the search would not take into account."""
         if weight > 0 and not self.uses_rayleigh_weight:
             raise InputError(messages.FOREIGN_WEIGHT.fault("rayleigh_weight", strategy=self.name))
+
+    def check_relatives(self, key: str) -> None:
+        """Raise InputError when relatives are given, by an option, that the search does not run."""
+        if key and not self.uses_relatives:
+            raise InputError(messages.FOREIGN_RELATIVES.fault(key, strategy=self.name))
 
 
 class Search(ABC):

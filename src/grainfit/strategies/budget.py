@@ -46,6 +46,7 @@ def start_search(
         the problem weighs something that the strategy does not take into account.
     """
     strategy.check_rayleigh_weight(problem.rayleigh_weight)
+    strategy.check_relatives("relatives" if problem.relatives else "")
     if max_runs is None:
         return _with_scatter(strategy.start(problem, seed), scatter)
     smallest = (strategy.fewest_evaluations(problem) + verification_runs) * tests

@@ -14,6 +14,9 @@ FOREIGN_WEIGHT = Message(
     "has no meaning for the {strategy} strategy.",
     'Leave it out, or use a strategy that takes it into account, such as "staged".',
 )
+FOREIGN_RELATIVES = Message(
+    "has no meaning for the {strategy} strategy.", 'Leave it out, or use "sequential".'
+)
 BUDGET_TOO_SMALL = Message(
     "{runs} runs are too few for the design and the verification.", "Allow at least {fewest}."
 )

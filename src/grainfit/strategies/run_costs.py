@@ -27,7 +27,7 @@ class RunCosts:
 
     The logarithm of the wall time of a run is linear in the parameters that the test depends on, as
     with Young's modulus, from which the time step follows (ridge regression). A test without timed
-    runs has its estimated time.
+    runs has its estimated time, and a relative of a test its share of that of the test.
 
     Parameters
     ----------
@@ -39,6 +39,7 @@ class RunCosts:
 
     def __init__(self, problem: Problem, evaluations: Sequence[Evaluation]) -> None:
         self._problem = problem
+        self._scopes = {scope.name: scope for scope in problem.scopes}
         timed = {scope.name: _timed_runs(evaluations, scope.name) for scope in problem.scopes}
         known = [runs or scope.seconds for scope in problem.scopes for runs in [timed[scope.name]]]
         self._trends = {
@@ -65,6 +66,9 @@ class RunCosts:
 
         Runs count alike while the time of some test is not known at all.
         """
+        for relative in self._problem.relatives:
+            if relative.name == scope.name:
+                return relative.cost * self.seconds(self._scopes[relative.of], points)
         trend = self._trends[scope.name]
         if trend is None:
             return np.full(len(points), float(scope.repeats))

@@ -22,6 +22,7 @@ from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, respon
 from grainfit.formatting import counted
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import CurveTarget, Parameter, Problem, Target, TestScope
+from grainfit.relative_names import is_relative
 from grainfit.result import ParameterInterval, Result, YieldLocusResult, damaged_result
 from grainfit.strategies.distinct_runs import distinct_runs
 from grainfit.tables import TextTable, as_html, as_text
@@ -234,7 +235,7 @@ def bulk_tests_of(saved: SavedCalibration) -> dict[str, BulkTest]:
     """Return the bulk tests of the runs, by name of the test, as far as they are known."""
     tests = {}
     for record in saved.records.values():
-        if record.test not in tests:
+        if record.test not in tests and not is_relative(record.test):
             with suppress(InputError):
                 tests[record.test] = recreate_test(record.definition)
     return {name: test for name, test in tests.items() if test is not None}
@@ -250,7 +251,8 @@ def _saved(
     definition, about = calibration.definition, calibration.about
     names = [parameter["name"] for parameter in definition["parameters"]]
     for request in (*opened.requests, *warm_start):
-        request.require_part_of(names, names_of_tests(definition["tests"]))
+        tests_and_relatives = [*definition["tests"], *definition.get("relatives", {})]
+        request.require_part_of(names, names_of_tests(tests_and_relatives))
     records = failed_if_incomplete(records, (*opened.requests, *warm_start), definition)
     ended = [request for request in opened.requests if _has_ended(request, records)]
     tests = len(names_of_tests(definition["tests"]))

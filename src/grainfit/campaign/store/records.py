@@ -19,7 +19,15 @@ from grainfit.campaign.store.cells import (
     whole,
 )
 from grainfit.errors import InputError
-from grainfit.evaluation import Curve, Measured, Proposal, Response, Stage, names_of_tests
+from grainfit.evaluation import (
+    Curve,
+    Measured,
+    Proposal,
+    Response,
+    Stage,
+    names_of_tests,
+)
+from grainfit.relative_names import is_relative
 from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
@@ -158,7 +166,7 @@ class RequestRecord:
     def proposal(self, tests: int) -> Proposal:
         """Return the proposal of a calibration with this number of tests."""
         asked = names_of_tests(self.runs)
-        some = None if len(asked) == tests else asked
+        some = None if len(asked) == tests and not any(map(is_relative, asked)) else asked
         return Proposal(self.parameters, self.seed, self.stage, some)
 
     @classmethod

@@ -44,6 +44,8 @@ class KnowledgeGradient:
         Possible answers.
     handicaps : ndarray, shape (m,)
         Added to the misfits of the possible answers, to prefer some of them.
+    of_relatives : bool
+        Whether the run is one of the relatives of tests.
 
     References
     ----------
@@ -54,7 +56,14 @@ class KnowledgeGradient:
     Letham, Karrer, Ottoni & Bakshy (2019), Bayesian Anal. 14, 495-519: noisy expected improvement.
     """
 
-    def __init__(self, metamodels: Metamodels, points: Array, handicaps: Array) -> None:
+    def __init__(
+        self,
+        metamodels: Metamodels,
+        points: Array,
+        handicaps: Array,
+        *,
+        of_relatives: bool = False,
+    ) -> None:
         means, variances = metamodels.deviations(points)
         slopes = metamodels.slopes(points)
         stiffness = metamodels.correlation + _STEP**2 * slopes @ slopes.transpose(0, 2, 1)
@@ -63,8 +72,12 @@ class KnowledgeGradient:
         self._precisions = metamodels.precisions
         unknown = (variances * self._precisions).sum(axis=1)
         self._now = (means * self._pull).sum(axis=1) + unknown + handicaps
-        self._covariance = metamodels.covariance_with(points)
-        self._scatter_at = metamodels.scatter_at
+        if of_relatives:
+            self._covariance = metamodels.covariance_with_relatives(points)
+            self._scatter_at = metamodels.scatter_of_relatives_at
+        else:
+            self._covariance = metamodels.covariance_with(points)
+            self._scatter_at = metamodels.scatter_at
         self._outcomes = _normal_outcomes(means.shape[1])
 
     @property

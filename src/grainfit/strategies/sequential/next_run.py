@@ -57,7 +57,7 @@ def pending_is_enough(
 
 @dataclass(frozen=True)
 class NextRun:
-    """Place of a run in the unit cube, and the test that is run there."""
+    """Place of a run in the unit cube, and the test, or its relative, that is run there."""
 
     point: Array
     scope: TestScope
@@ -79,14 +79,14 @@ def next_run(
     random : numpy.random.Generator
         Draws the candidates.
     """
-    scopes = belief.problem.scopes
+    scopes, relatives = belief.problem.scopes, belief.problem.relative_scopes
     if belief.seems_missed:
         # The best point that the metamodels know is no answer: another basin, or none, has one.
-        return _most_telling(belief.hopeful, conditioned, costs, scopes)
+        return _most_telling(belief.hopeful, conditioned, costs, scopes, relatives)
     if not belief.agrees:
         return _most_improving(belief, conditioned, costs, random)
     if belief.is_proven:
-        return _most_telling(belief.gain_point, conditioned, costs, scopes)
+        return _most_telling(belief.gain_point, conditioned, costs, scopes, relatives)
     unproven = belief.feasibility.unproven(belief.answer)
     return _most_telling(
         belief.answer, conditioned, costs, [s for s in scopes if s.name in unproven]
@@ -94,43 +94,73 @@ def next_run(
 
 
 def _most_telling(
-    point: Array, conditioned: Metamodels, costs: RunCosts, scopes: Sequence[TestScope]
+    point: Array,
+    conditioned: Metamodels,
+    costs: RunCosts,
+    scopes: Sequence[TestScope],
+    relatives: Sequence[TestScope] = (),
 ) -> NextRun:
-    """Choose the test that narrows the expected deviations at a point most per second."""
+    """Choose the test that narrows the expected deviations at a point most per second.
+
+    Or one of some relatives.
+    """
     variances = conditioned.deviations(point)[1][0]
     narrowed = variances**2 / (variances + conditioned.scatter_at(point)[0])
     narrowed = narrowed * conditioned.precisions
+    by_relatives = np.zeros_like(narrowed)
+    if relatives:
+        at = point[None]
+        covariance, unknown = conditioned.covariance_with_relatives(at)(at)
+        of_run = unknown[:, 0] + conditioned.scatter_of_relatives_at(at)[0]
+        by_relatives = covariance[:, 0, 0] ** 2 / of_run * conditioned.precisions
 
     def worth(scope: TestScope) -> float:
-        gain = float(narrowed[conditioned.yielded_by([scope.name])].sum())
+        if scope in relatives:
+            gain = float(by_relatives[conditioned.told_by(scope.name)].sum())
+        else:
+            gain = float(narrowed[conditioned.yielded_by([scope.name])].sum())
         return gain / float(costs.seconds(scope, point[None])[0])
 
-    return NextRun(point, max(scopes, key=worth) if len(scopes) > 1 else scopes[0])
+    possible = [*scopes, *relatives]
+    return NextRun(point, max(possible, key=worth) if len(possible) > 1 else possible[0])
 
 
 def _most_improving(
     belief: Belief, conditioned: Metamodels, costs: RunCosts, random: np.random.Generator
 ) -> NextRun:
     possible = belief.answers.candidates
-    improvement = KnowledgeGradient(conditioned, possible, belief.handicaps(possible))
+    handicaps = belief.handicaps(possible)
+    improvement = KnowledgeGradient(conditioned, possible, handicaps)
+    relatives = belief.problem.relative_scopes
+    by_relatives = (
+        KnowledgeGradient(conditioned, possible, handicaps, of_relatives=True)
+        if relatives
+        else improvement
+    )
     near = points_about(belief.answers.closest[:1], _NEAR_CANDIDATES, 0.25, random)
     everywhere = spread_points(_GLOBAL_CANDIDATES, belief.problem.dimension, random)
     starts = np.vstack([possible, near, everywhere])
-    several = len(belief.problem.scopes) > 1
+    several = len(belief.problem.scopes) + len(relatives) > 1
 
     def best_of(scope: TestScope) -> tuple[float, NextRun]:
+        is_relative = scope in relatives
+        of_runs = by_relatives if is_relative else improvement
         yields = conditioned.yielded_by([scope.name]) if several else None
+        if is_relative:
+            yields = conditioned.told_by(scope.name)
 
         def lack(points: Array) -> Array:
-            improved, unknown = improvement.with_unknown(points, yields)
+            improved, unknown = of_runs.with_unknown(points, yields)
             success = belief.feasibility.success_probability(points)
-            worth = (improved + _TIE * unknown) * success**2
+            # What is unknown of a relative is no reason for a run of it.
+            worth = (improved + (0.0 if is_relative else _TIE) * unknown) * success**2
             return np.asarray(-worth / costs.seconds(scope, points) if several else -worth)
 
         points, values = shrinking_search(lack, starts, random, rounds=2, width=0.08)
         return float(values[0]), NextRun(np.asarray(points[0]), scope)
 
-    return min(map(best_of, belief.problem.scopes), key=itemgetter(0))[1]
+    told = [one for one in relatives if conditioned.told_by(one.name).any()]
+    return min(map(best_of, [*belief.problem.scopes, *told]), key=itemgetter(0))[1]
 
 
 def space_filling_point(

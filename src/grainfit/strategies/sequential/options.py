@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from grainfit.options.fields import option
 from grainfit.options.kinds import Choice, Flag, Quantity, Share, Whole
@@ -19,6 +19,8 @@ Preference = Literal["time_step", "accuracy"]
 @dataclass(frozen=True)
 class SequentialOptions(Strategy):
     """Options of the sequential strategy, see `Sequential`."""
+
+    uses_relatives: ClassVar[bool] = True
 
     design_runs: int | None = option(
         Whole(2),

@@ -54,6 +54,8 @@ Array = NDArray[np.float64]
 DESIGN_RUNS = 1.5
 #: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
+#: Runs of a relative in the design, over those of its test without one.
+RELATIVE_RUNS = 2
 _TRIES_OF_A_MACHINE = 3
 #: Runs that usually follow the design where the scatter is small, verification included.
 _USUAL_AFTER_DESIGN = 5
@@ -110,6 +112,13 @@ class SequentialSearch(Search):
             or min(self._design_size, usual_design(len(scope.parameters)))
             for scope in problem.scopes
         }
+        for relative in problem.relatives:
+            # The relative shows how responses change, its test a difference that changes less.
+            usual_runs = self._design_sizes[relative.of]
+            self._design_sizes[relative.name] = RELATIVE_RUNS * usual_runs
+            few = len(problem.scope_of_test(relative.of).parameters) + 1
+            self._design_sizes[relative.of] = min(usual_runs, few)
+            self._design_size = max(self._design_sizes.values())
         self._usual_design = strategy.design_runs or usual
         self._allowed = max_evaluations or (
             self._design_size + RUNS_PER_PARAMETER * problem.dimension
@@ -151,7 +160,13 @@ class SequentialSearch(Search):
     @property
     def looks(self) -> int:
         """Runs of the search after the design: it looks after each."""
-        return max(0, self._sets_told - self._design_size)
+        return max(0, self._sets_told - self._sets_of_design)
+
+    @property
+    def _sets_of_design(self) -> int:
+        if not self.problem.relatives:
+            return self._design_size
+        return max(self._design_sizes[scope.name] for scope in self.problem.scopes)
 
     @property
     def notices(self) -> Sequence[str]:
@@ -263,6 +278,10 @@ class SequentialSearch(Search):
             }
             left = self._design_sizes[scope.name] - len(places)
             self._design_sizes[scope.name] = max(0, left)
+        for relative in self.problem.relatives:
+            known = [e for e in evaluations if e.proposal.asks_for(relative.name)]
+            left = self._design_sizes[relative.name] - len(known)
+            self._design_sizes[relative.name] = max(0, left)
         self._design_size = max(self._design_sizes.values())
 
     def replay(self, proposals: Sequence[Proposal]) -> None:
@@ -307,13 +326,27 @@ class SequentialSearch(Search):
         misses = belief.misses if self._rule.is_out_of_reach(belief) else ()
         chosen = parameters or belief.problem.from_unit(belief.answer)
         return make_answer(
-            belief.metamodels,
+            self._judging(belief, chosen),
             chosen,
             misses,
             spread=False,
             confidence=self.confidence,
             costs=RunCosts(belief.problem, self.known),
         )
+
+    def _judging(self, belief: Belief, parameters: Mapping[str, float]) -> Metamodels:
+        """Return the metamodels that judge an answer.
+
+        Once it has fresh seeds, those of the runs of the tests alone: no verdict rests on
+        relatives.
+        """
+        if not self.problem.relatives or not any(
+            e.proposal.stage == "verification" and e.proposal.parameters == parameters
+            for e in self.known
+        ):
+            return belief.metamodels
+        own = replace(self.problem, parameters=belief.problem.parameters, relatives=())
+        return Metamodels.fit(own, self.known)
 
     def resume_after_verification(self, affordable: int | None = None) -> bool:
         """Continue with the verification runs added, if doubt and budget are left."""
@@ -340,7 +373,7 @@ class SequentialSearch(Search):
         sizes, points = self._design_sizes, self._design
         chosen = {
             scope.name: spread_subset(points[:, self.problem.axes_of(scope)], sizes[scope.name])
-            for scope in self.problem.scopes
+            for scope in (*self.problem.scopes, *self.problem.relative_scopes)
         }
         return [
             self._some([name for name, numbers in chosen.items() if number in numbers])
@@ -349,10 +382,14 @@ class SequentialSearch(Search):
 
     def _some(self, tests: Sequence[str]) -> tuple[str, ...] | None:
         """Return the tests of a proposal, None for all of them."""
-        return None if len(tests) == len(self.problem.scopes) else tuple(tests)
+        is_all = len(tests) == len(self.problem.scopes) and not self.problem.relatives
+        return None if is_all else tuple(tests)
 
     def _sets(self, proposals: Iterable[Proposal]) -> int:
-        """Number of parameter sets that take as many runs as some proposals, rounded up."""
+        """Number of parameter sets that take as many runs as some proposals, rounded up.
+
+        Runs of relatives do not count.
+        """
         scopes = self.problem.scopes
         runs = sum(s.repeats for p in proposals for s in scopes if p.asks_for(s.name))
         return -(-runs // sum(scope.repeats for scope in scopes))
@@ -367,11 +404,17 @@ class SequentialSearch(Search):
 
     @property
     def _budget_is_used(self) -> bool:
-        return self._sets(self._asked) >= self._allowed
+        relatives = {relative.name: relative.cost for relative in self.problem.relatives}
+        spent = sum(relatives.get(test, 0.0) for one in self._asked for test in one.tests or ())
+        return self._sets(self._asked) + math.floor(spent) >= self._allowed
 
     @property
     def _design_is_told(self) -> bool:
         return all(index in self._told for index in range(self._design_size))
+
+    @property
+    def _told_after_design(self) -> int:
+        return len(self._told) - self._design_size
 
     @property
     def _rule(self) -> StoppingRule:
@@ -379,7 +422,7 @@ class SequentialSearch(Search):
         return StoppingRule(
             confidence=self.confidence_to_stop,
             demanded=self.confidence,
-            runs_behind=len(self._told) - self._design_size,
+            runs_behind=self.looks if self.problem.relatives else self._told_after_design,
             runs_left=None if has_budget else self._allowed - self._sets_told,
         )
 
@@ -500,9 +543,12 @@ class SequentialSearch(Search):
         pending = self._pending_proposals
         points = [belief.problem.to_unit(proposal.parameters) for proposal in pending]
         yields = [belief.metamodels.yielded_by(proposal.tests) for proposal in pending]
-        conditioned = belief.metamodels.condition_on_pending(
-            np.array(points).reshape(-1, belief.problem.dimension), np.array(yields)
-        )
+        at = np.array(points).reshape(-1, belief.problem.dimension)
+        conditioned = belief.metamodels.condition_on_pending(at, np.array(yields))
+        for relative in belief.problem.relatives:
+            asked = [proposal.asks_for(relative.name) for proposal in pending]
+            told = np.outer(asked, conditioned.told_by(relative.name))
+            conditioned = conditioned.condition_on_pending_relatives(at, told)
         chosen = self._chosen(belief, conditioned, len(pending))
         if chosen is None:
             return None

@@ -1,0 +1,181 @@
+"""Calibrations with cheaper relatives: they guide the search, and no verdict rests on them."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.errors import InputError
+from grainfit.evaluation import Evaluation
+from grainfit.metamodels.metamodels import Metamodels
+from grainfit.problem import Relative
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.strategies.staged.strategy import Staged
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+Model = Callable[[Mapping[str, float], int], dict[str, float]]
+COST = 0.25
+
+
+def angle(sliding: float, rolling: float) -> float:
+    return 15 + 18 * math.tanh(1.6 * sliding) * (0.5 + rolling)
+
+
+def density(sliding: float, rolling: float) -> float:
+    return 1500 - 150 * sliding**1.5 - 60 * rolling
+
+
+def stiff(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+    import numpy as np
+
+    scatter = np.random.default_rng(seed).standard_normal(2)
+    at = parameters["sliding"], parameters["rolling"]
+    return {"angle": angle(*at) + 0.4 * scatter[0], "density": density(*at) + 3.0 * scatter[1]}
+
+
+def soft(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+    found = stiff(parameters, seed + 7)
+    return {"angle": 0.95 * found["angle"] + 0.4, "density": 1.12 * found["density"]}
+
+
+def turned(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+    """Return what the stiff particles give at the opposite corner: wrong on purpose."""
+    return stiff({name: 1 - value for name, value in parameters.items()}, seed)
+
+
+def crash(_parameters: Mapping[str, float], _seed: int) -> dict[str, float]:
+    raise gf.RunFailedError("The soft particles fly away.")
+
+
+def problem_at(sliding: float = 0.5, rolling: float = 0.4) -> gf.Problem:
+    return gf.Problem(
+        [gf.Parameter("sliding", 0, 1), gf.Parameter("rolling", 0, 1)],
+        [
+            gf.Target("angle", angle(sliding, rolling), tolerance=0.8),
+            gf.Target("density", density(sliding, rolling), tolerance=6.0),
+        ],
+        relatives=[Relative("heap", COST)],
+    )
+
+
+def calibrated(
+    relative: Model, workdir: Path | None = None, seed: int = 1
+) -> tuple[gf.Result, list[Evaluation]]:
+    found: list[Evaluation] = []
+
+    def note(progress: gf.Progress) -> None:
+        found[:] = progress.evaluations
+
+    result = gf.calibrate(
+        problem_at(),
+        {"heap": PythonCallable(stiff)},
+        relatives={"heap": PythonCallable(relative)},
+        seed=seed,
+        workdir=workdir,
+        on_progress=note,
+    )
+    return result, found
+
+
+def is_true(result: gf.Result) -> bool:
+    at = result.parameters["sliding"], result.parameters["rolling"]
+    off = abs(angle(*at) - angle(0.5, 0.4)), abs(density(*at) - density(0.5, 0.4))
+    return off[0] <= 0.8 and off[1] <= 6.0
+
+
+@pytest.mark.parametrize("relative", [soft, turned, crash])
+def test_a_calibration_is_true_with_any_relative(relative: Model) -> None:
+    result, evaluations = calibrated(relative)
+    assert result.status == "calibrated", result
+    assert is_true(result)
+    runs = Counter(test for one in evaluations for test in one.runs)
+    assert runs["heap (relative)"] >= 5
+    assert 6 <= runs["heap"] <= 14
+    fresh = [one for one in evaluations if one.proposal.stage == "verification"]
+    assert len(fresh) >= 3
+    assert all(set(one.runs) == {"heap"} for one in fresh)
+
+
+def test_the_verdict_is_that_of_the_runs_of_the_test_alone(tmp_path: Path) -> None:
+    result, _ = calibrated(soft, tmp_path / "work")
+    saved = SavedCalibration.open(tmp_path / "work")
+    assert saved.problem.relatives == ()
+    own = [one for one in saved.evaluations if "heap" in one.runs]
+    means = Metamodels.fit(saved.problem, own).predict([saved.problem.to_unit(result.parameters)])[
+        0
+    ][0]
+    found = [result.responses[name].expected[0] for name in ("angle", "density")]
+    assert means == pytest.approx(found)
+
+
+def test_an_interrupted_calibration_goes_on_without_a_run_twice(tmp_path: Path) -> None:
+    whole, _ = calibrated(soft, tmp_path / "whole")
+
+    def stop(progress: gf.Progress) -> None:
+        if len(progress.evaluations) == 7:
+            raise KeyboardInterrupt
+
+    def run(on_progress: Callable[[gf.Progress], None] | None = None) -> gf.Result:
+        return gf.calibrate(
+            problem_at(),
+            {"heap": PythonCallable(stiff)},
+            relatives={"heap": PythonCallable(soft)},
+            workdir=tmp_path / "work",
+            on_progress=on_progress,
+        )
+
+    stopped = run(stop)
+    assert stopped.status == "interrupted"
+    result = run()
+    assert result.parameters == whole.parameters
+    assert result.runs.reused >= 7
+    assert run().runs.reused == whole.runs.total
+
+
+def test_relatives_are_reused_from_a_calibration_of_their_own(tmp_path: Path) -> None:
+    own = gf.Problem(problem_at().parameters, problem_at().targets)
+    gf.calibrate(own, {"heap": PythonCallable(soft)}, workdir=tmp_path / "soft")
+    made = 0
+
+    def counted(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+        nonlocal made
+        made += 1
+        return stiff(parameters, seed)
+
+    result = gf.calibrate(
+        problem_at(),
+        {"heap": PythonCallable(counted)},
+        relatives={"heap": PythonCallable(soft)},
+        runs_from=tmp_path / "soft",
+    )
+    assert result.status == "calibrated"
+    assert result.runs.reused == 0
+    assert made <= 12
+
+
+def test_a_calibration_without_relatives_keeps_its_identity(tmp_path: Path) -> None:
+    own = gf.Problem(problem_at().parameters, problem_at().targets)
+    gf.calibrate(own, {"heap": PythonCallable(stiff)}, workdir=tmp_path / "a", max_runs=9)
+    saved = SavedCalibration.open(tmp_path / "a")
+    assert "relatives" not in saved.strategy_options
+    assert saved.problem == own
+
+
+def test_what_cannot_be_a_relative_is_refused() -> None:
+    with pytest.raises(InputError, match="above 0, below 1"):
+        Relative("heap", 1.5)
+    heap = {"heap": PythonCallable(stiff)}
+    with pytest.raises(InputError, match="relative without a solver"):
+        gf.calibrate(problem_at(), heap)
+    own = gf.Problem(problem_at().parameters, problem_at().targets)
+    with pytest.raises(InputError, match="does not declare"):
+        gf.calibrate(own, heap, relatives={"heap": PythonCallable(soft)})
+    with pytest.raises(InputError, match="no meaning for the staged strategy"):
+        gf.calibrate(
+            problem_at(), heap, relatives={"heap": PythonCallable(soft)}, strategy=Staged()
+        )
