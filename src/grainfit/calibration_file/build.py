@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from grainfit.calibration_file.content import CalibrationFile, SearchOptions, Te
 from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.settings import quantity_of, set_values
+from grainfit.calibration_file.softer import softer_relatives, with_softer_particles
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import material_units
@@ -57,6 +58,8 @@ class CalibrationSetup:
         replace those of the file.
     local : bool
         Run on this machine even when the file has a cluster.
+    relatives : dict of str to Solver
+        Solvers of cheaper relatives of the tests, by name of the test.
     """
 
     __repr__ = one_line
@@ -65,6 +68,7 @@ class CalibrationSetup:
     problem: Problem
     solvers: dict[str, Solver]
     local: bool = False
+    relatives: dict[str, Solver] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -198,8 +202,9 @@ class CalibrationSetup:
             if self.cluster is not None:
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
             return calibrate(
-                self.problem,
+                replace(self.problem, relatives=softer_relatives(self.file)),
                 self.solvers,
+                relatives=self.relatives,
                 workdir=folder,
                 name=self.name,
                 timeouts=self.timeouts,
@@ -318,7 +323,8 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
     with with_lines(file.path):
         solvers = build_solvers(file)
         problem = with_scopes(_problem(file), solvers, file.repeats)
-        return CalibrationSetup(file, problem, restricted(problem, solvers))
+        relatives = _relatives(file)
+        return CalibrationSetup(file, problem, restricted(problem, solvers), relatives=relatives)
 
 
 def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
@@ -339,6 +345,15 @@ def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
     if faults:
         raise InputError(faults_with_lines(file.path, faults), str(file.path))
     return solvers
+
+
+def _relatives(file: CalibrationFile) -> dict[str, Solver]:
+    """Build the solvers of the tests with softer particles, if the file asks for them."""
+    tests = [relative.of for relative in softer_relatives(file)]
+    if not tests:
+        return {}
+    chosen = [test for test in file.tests if test.name in tests]
+    return build_solvers(replace(file, fixed=with_softer_particles(file), tests=tuple(chosen)))
 
 
 def _problem(file: CalibrationFile) -> Problem:

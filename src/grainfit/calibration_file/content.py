@@ -95,10 +95,13 @@ class SearchOptions(CalibrationOptions):
         The strategy with its options.
     rayleigh_weight : float, optional
         Weight of the Rayleigh criterion in the misfit.
+    softer : float, optional
+        Young's modulus of the particles of a cheaper relative of every test, Pa.
     """
 
     strategy: Strategy = field(default_factory=Sequential)
     rayleigh_weight: float | None = None
+    softer: float | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,87 @@
+"""`softer` in `[strategy]`: the same tests with softer particles, as cheaper relatives."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from conftest import GLASS_BEADS
+from grainfit.errors import InputError
+from grainfit.evaluation import Evaluation
+from grainfit.work_folder.saved_calibration import bulk_tests_of
+
+SOFTER = '[strategy]\nsofter = "0.09 MPa"\n'
+
+
+def loaded(folder: Path, text: str) -> gf.CalibrationSetup:
+    path = folder / "beads.toml"
+    path.write_text(text, encoding="utf-8")
+    return gf.load(path)
+
+
+def test_the_relative_is_the_same_test_with_the_softer_modulus(tmp_path: Path) -> None:
+    setup = loaded(tmp_path, GLASS_BEADS + SOFTER)
+    softer = loaded(tmp_path, GLASS_BEADS.replace('"0.36 MPa"', '"0.09 MPa"'))
+    values = setup.problem.middle
+    runs = [one["heap"].definition(values, 1) for one in (setup.relatives, softer.solvers)]
+    assert runs[0].identity == runs[1].identity
+    assert runs[0].identity != setup.solvers["heap"].definition(values, 1).identity
+    assert setup.problem == loaded(tmp_path, GLASS_BEADS).problem
+    assert loaded(tmp_path, GLASS_BEADS).relatives == {}
+
+
+def test_impossible_softer_particles_are_refused_with_their_line(tmp_path: Path) -> None:
+    free = GLASS_BEADS.replace('"0.36 MPa" ', '{ min = "0.1 MPa", max = "1 MPa" } ')
+    cases = {
+        "not below": GLASS_BEADS + SOFTER.replace("0.09", "0.4"),
+        "needs a fixed": free + SOFTER,
+        "no meaning for the staged": GLASS_BEADS + SOFTER + 'name = "staged"\n',
+    }
+    for why, text in cases.items():
+        with pytest.raises(InputError, match=why) as caught:
+            loaded(tmp_path, text)
+        assert "softer" in str(caught.value)
+        assert f"line {text[: text.index('softer = ')].count(chr(10)) + 1}" in str(caught.value)
+
+
+def test_a_model_of_the_user_has_no_softer_particles(tmp_path: Path) -> None:
+    (tmp_path / "model.py").write_text("def run(p, seed):\n    return {'angle': p['friction']}\n")
+    text = """
+name = "own"
+[parameters]
+friction = { min = 0.1, max = 0.9 }
+[[test]]
+type = "python"
+function = "model.py:run"
+targets.angle = { value = 0.5, tolerance = 0.1 }
+"""
+    with pytest.raises(InputError, match="needs a bulk test"):
+        loaded(tmp_path, text + SOFTER)
+
+
+@pytest.mark.slow
+def test_a_heap_is_calibrated_with_softer_particles(tmp_path: Path) -> None:
+    text = GLASS_BEADS.replace(
+        'type = "heap"',
+        'type = "heap"\ncylinder_radius = "40 mm"\nstrike_off_height = "80 mm"\n'
+        'bulk_density_top = "70 mm"\nplate_radius = "120 mm"',
+    ).replace('"0.5 deg"', '"2 deg"')
+    setup = loaded(tmp_path, text + SOFTER)
+    made: list[Evaluation] = []
+
+    def note(progress: gf.Progress) -> None:
+        made[:] = progress.evaluations
+
+    result = setup.calibrate(tmp_path / "work", on_progress=note, workers=2)
+    assert result.status == "calibrated", result
+    runs = Counter(test for one in made for test in one.runs)
+    assert runs["heap (relative)"] >= 5
+    assert 6 <= runs["heap"] <= 20
+    saved = gf.open(tmp_path / "work")
+    assert [*bulk_tests_of(saved)] == ["heap"]
+    page = saved.report(tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "heap (relative)" in page
+    assert setup.calibrate(tmp_path / "work").parameters == result.parameters
