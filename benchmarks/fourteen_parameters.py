@@ -15,6 +15,7 @@ import argparse
 import json
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 os.environ["OMP_NUM_THREADS"] = "1"
@@ -24,6 +25,7 @@ import numpy as np
 import grainfit
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.time_steps import usual_time_step_fraction
 from grainfit.formatting import short_names
 from grainfit.problem import Parameter, Problem
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -61,12 +63,17 @@ LABORATORY: Mapping[str, float | str] = {
 
 
 def tests() -> dict[str, BulkTest]:
-    """Return the three tests by name."""
+    """Return the three tests by name, with the time step that a calibration file gives them."""
     kinds = bulk_tests()
-    return {
+    made = {
         "heap": kinds["heap"](diameter=DIAMETER, **ROUGH_PLATE),
         "draw_down": kinds["draw_down"](diameter=DIAMETER, depth=0.05, floor_rolling_friction=0.3),
         "compression": kinds["compression"](diameter=DIAMETER, stress=5000.0),
+    }
+    intervals = {p.name: (p.minimum, p.maximum) for p in PARAMETERS}
+    return {
+        name: replace(test, time_step_fraction=usual_time_step_fraction(test, intervals))
+        for name, test in made.items()
     }
 
 
