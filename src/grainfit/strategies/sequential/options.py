@@ -25,7 +25,7 @@ class SequentialOptions(Strategy):
     design_runs: int | None = option(
         Whole(2),
         "Runs of the initial Latin hypercube.",
-        default_text="1.5 (d + 1) for d free parameters (5, 6, 8, 9, 11 for 2 to 6)",
+        default_text="d + 2 for d free parameters, 5 for two, 4 for one",
         example="12",
     )
     prefer: Preference = option(

@@ -50,8 +50,7 @@ from grainfit.verdict.options import VERDICT
 
 Array = NDArray[np.float64]
 
-#: Runs of the design per coefficient of a linear trend: 50 % more than a fit of the trend needs.
-DESIGN_RUNS = 1.5
+_SMALL_DESIGN = 5
 #: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
 #: Runs of a relative in the design, over those of its test without one.
@@ -67,8 +66,12 @@ _RUNS_OF_EXPECTED = 5
 
 
 def usual_design(dimension: int) -> int:
-    """Return the usual number of runs of the design for some free parameters."""
-    return max(dimension + 3, math.ceil(DESIGN_RUNS * (dimension + 1)))
+    """Return the usual number of runs of the design for some free parameters.
+
+    One more than a linear trend has coefficients; what else is needed, the search finds sooner than
+    a design. With one or two parameters, two more.
+    """
+    return max(dimension + 2, min(dimension + 3, _SMALL_DESIGN))
 
 
 class SequentialSearch(Search):

@@ -19,7 +19,7 @@ class Sequential(SequentialOptions):
     Parameters
     ----------
     design_runs : int, optional
-        Size of the Latin hypercube; 1.5 (d + 1) by default.
+        Size of the Latin hypercube; by default d + 2, 5 for two parameters, 4 for one.
     prefer : {"time_step", "accuracy"}
         Of all parameter sets that agree with the measurements, take the one with the largest
         Rayleigh time step, or the closest one.
