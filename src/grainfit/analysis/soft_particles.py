@@ -9,6 +9,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import OverlapLaw, overlap_law, stiffness_number
+from grainfit.bulk_tests.time_steps import STEPS_BY_MODULUS
 from grainfit.checks import Found, check
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, number
@@ -20,9 +21,6 @@ _WORTH_A_NOTE = 0.01
 _OFFERED = (0.02, 0.01)
 #: Smallest factor on the modulus that is worth offering.
 _STIFFER = 1.2
-#: Time steps follow this power of Young's modulus: sqrt(E) of the Rayleigh time step over the share
-#: of it that is stable, see `bulk_tests.time_steps`.
-_STEPS = 1 / 2 - 1 / 6
 #: Overlaps raise responses that are nearly proportional to the density of the particles, and fall
 #: with Young's modulus.
 _PROPORTIONAL = 0.5
@@ -177,7 +175,7 @@ def _remedy(law: OverlapLaw, value: float, modulus: float) -> str:
         if factor > _STIFFER:
             offers.append(
                 f"{_percent(excess)} % with {number(modulus * factor / 1e6, 2)} MPa "
-                f"({number(factor**_STEPS, 2)} times as many time steps)"
+                f"({number(factor**STEPS_BY_MODULUS, 2)} times as many time steps)"
             )
     words = f"It is {in_a_row(offers, 'or')}. " if offers else ""
     return f"{words}'grainfit stiffness' measures it."

@@ -18,6 +18,9 @@ from grainfit.scenes.packing import mean_particle_volume
 _SOFT_BED, _STIFF_BED = 250.0, 6_800.0
 #: Solid height of a bed whose cross-section changes, in diameters: that of most default tests.
 _USUAL_LAYERS = 7.0
+#: Power of Young's modulus that the number of time steps of a run follows, up to the stiffest bed:
+#: that of the Rayleigh time step, less that of the share of it that is safe.
+STEPS_BY_MODULUS = 1 / 2 - 1 / 6
 _LOWER_IS_WORSE = (".restitution", ".youngs_modulus")
 
 

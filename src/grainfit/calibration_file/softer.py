@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.time_steps import STEPS_BY_MODULUS
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import number
@@ -17,8 +16,8 @@ _KEY = "strategy.softer"
 def softer_relatives(file: CalibrationFile) -> list[Relative]:
     """Return the relatives of the simulated tests; none unless the file asks for them.
 
-    The number of time steps, and so the computing time of a run, is proportional to the square
-    root of Young's modulus.
+    The number of time steps, and so the computing time of a run, follows Young's modulus by the
+    power `STEPS_BY_MODULUS`.
 
     Raises
     ------
@@ -37,7 +36,7 @@ def softer_relatives(file: CalibrationFile) -> list[Relative]:
     if softer >= stiff:
         modulus = f"is not below {MODULUS}, {number(stiff / 1e6, 3)} MPa."
         raise InputError(Fault(_KEY, modulus, "Give about a twentieth of it, or leave it out."))
-    return [Relative(test, math.sqrt(softer / stiff)) for test in tests]
+    return [Relative(test, (softer / stiff) ** STEPS_BY_MODULUS) for test in tests]
 
 
 def with_softer_particles(file: CalibrationFile) -> dict[str, float]:
