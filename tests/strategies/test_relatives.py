@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -179,3 +180,26 @@ def test_what_cannot_be_a_relative_is_refused() -> None:
         gf.calibrate(
             problem_at(), heap, relatives={"heap": PythonCallable(soft)}, strategy=Staged()
         )
+
+
+def test_a_search_that_is_asked_and_told_has_relatives() -> None:
+    own = problem_at()
+    with pytest.raises(InputError, match="no test of the problem"):
+        gf.Sequential().start(own, seed=1)
+    scope = gf.TestScope("heap", ["angle", "density"], ["sliding", "rolling"])
+    search = gf.Sequential().start(replace(own, tests=[scope]), seed=1)
+    asked: Counter[str] = Counter()
+    while not search.finished:
+        proposal = search.ask()
+        assert proposal is not None
+        assert proposal.tests is not None
+        asked.update(proposal.tests)
+        outcome: dict[str, float] = {}
+        if "heap" in proposal.tests:
+            outcome |= stiff(proposal.parameters, proposal.seed)
+        if "heap (relative)" in proposal.tests:
+            found = soft(proposal.parameters, proposal.seed)
+            outcome |= {f"heap (relative).{name}": value for name, value in found.items()}
+        search.tell(proposal, outcome)
+    assert search.answer().probability_all_met > 0.5
+    assert asked["heap (relative)"] >= 5

@@ -253,8 +253,12 @@ class Problem:
         return tuple(one.scope(self.scope_of_test(one.of)) for one in self.relatives)
 
     def scope_of_test(self, test: str) -> TestScope:
-        """Return the scope of a test by its name."""
-        return next(scope for scope in self.scopes if scope.name == test)
+        """Return the scope of the test of a relative; InputError if there is none."""
+        for scope in self.scopes:
+            if scope.name == test:
+                return scope
+        known = ", ".join(scope.name for scope in self.tests) or "none"
+        raise InputError(messages.RELATIVE_OF_NO_TEST.fault("relatives", of=test, known=known))
 
     def relative_of(self, target: str) -> Relative | None:
         """Return the relative of the test that yields a target; None without one."""

@@ -272,7 +272,9 @@ class Search(ABC):
         >>> search.tell(search.ask(), RunFailedError("the particles flew away"))
         """
         evaluation = Evaluation.of(proposal, outcome)
-        names = self.problem.responses
+        problem = self.problem
+        relatives = [(problem.relative_of(name), name) for name in problem.responses]
+        names = [*problem.responses, *(one.response_name(name) for one, name in relatives if one)]
         if isinstance(outcome, Mapping) and not any(name in outcome for name in names):
             given = ", ".join(map(repr, outcome)) or "nothing"
             known = ", ".join(names)

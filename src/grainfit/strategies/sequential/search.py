@@ -53,8 +53,6 @@ Array = NDArray[np.float64]
 _SMALL_DESIGN = 5
 #: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
-#: Runs of a relative in the design, over those of its test without one.
-RELATIVE_RUNS = 2
 _TRIES_OF_A_MACHINE = 3
 #: Runs that usually follow the design where the scatter is small, verification included.
 _USUAL_AFTER_DESIGN = 5
@@ -117,11 +115,10 @@ class SequentialSearch(Search):
         }
         for relative in problem.relatives:
             # The relative shows how responses change, its test a difference that changes less.
+            test = problem.scope_of_test(relative.of)
             usual_runs = self._design_sizes[relative.of]
-            self._design_sizes[relative.name] = RELATIVE_RUNS * usual_runs
-            few = len(problem.scope_of_test(relative.of).parameters) + 1
-            self._design_sizes[relative.of] = min(usual_runs, few)
-            self._design_size = max(self._design_sizes.values())
+            self._design_sizes[relative.name] = usual_runs
+            self._design_sizes[relative.of] = min(usual_runs, len(test.parameters) + 1)
         self._usual_design = strategy.design_runs or usual
         self._allowed = max_evaluations or (
             self._design_size + RUNS_PER_PARAMETER * problem.dimension
