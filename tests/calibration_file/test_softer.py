@@ -9,6 +9,7 @@ import pytest
 
 import grainfit as gf
 from conftest import GLASS_BEADS
+from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
 from grainfit.work_folder.saved_calibration import bulk_tests_of
@@ -29,6 +30,8 @@ def test_the_relative_is_the_same_test_with_the_softer_modulus(tmp_path: Path) -
     runs = [one["heap"].definition(values, 1) for one in (setup.relatives, softer.solvers)]
     assert runs[0].identity == runs[1].identity
     assert runs[0].identity != setup.solvers["heap"].definition(values, 1).identity
+    [line] = [line for line in describe_plan(setup).lines if "softer particles" in line]
+    assert "about 63 % of the computing time" in line
     assert setup.problem == loaded(tmp_path, GLASS_BEADS).problem
     assert loaded(tmp_path, GLASS_BEADS).relatives == {}
 

@@ -14,6 +14,7 @@ from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.checks.context import context_of
 from grainfit.calibration_file.checks.registry import findings
 from grainfit.calibration_file.contact_lines import chosen_model_lines, cohesion_lines
+from grainfit.calibration_file.content import CalibrationFile
 from grainfit.calibration_file.fault_lines import (
     FileFinding,
     faults_with_lines,
@@ -28,6 +29,7 @@ from grainfit.calibration_file.run_time import (
     run_time,
 )
 from grainfit.calibration_file.size_lines import size_lines
+from grainfit.calibration_file.softer import softer_relatives
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.formatting import in_a_row
@@ -112,6 +114,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     problems += chain(*(_words(setup, obstacle) for obstacle in found))
     for test, values in apparatus.items():
         lines += apparatus_lines(test, values)
+    lines += _softer_lines(setup.file)
     lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
     lines += [f"Table {line}." for line in setup.file.tables]
@@ -196,6 +199,15 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
     cost = solver.estimate_cost(problem.middle)
     if cost is not None:
         yield f"  In the middle of the intervals: {cost}."
+
+
+def _softer_lines(file: CalibrationFile) -> Iterator[str]:
+    for relative in softer_relatives(file):
+        yield (
+            f"Test {relative.of}: a part of the search runs with softer particles, in about "
+            f"{100 * relative.cost:.0f} % of the computing time; the verdict rests on the others "
+            "alone."
+        )
 
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:

@@ -34,7 +34,7 @@ RAYLEIGH_WEIGHT = Key(
 SOFTER = Key(
     "softer",
     Quantity("Pa", above_zero=True),
-    "Young's modulus of softer particles, with which most of the search runs: a fixed "
+    "Young's modulus of softer particles, with which a part of the search runs: a fixed "
     "`particle.youngs_modulus` of 10 MPa takes 2.7 times the computing time of 0.5 MPa. What they "
     "give is corrected by runs with the stiff particles, on which the verdict rests alone. "
     "Strategy: sequential.",
