@@ -7,7 +7,8 @@ of the runs, correlated among the responses as theirs is.
     python benchmarks/further_responses.py --kept benchmarks/data/heap_responses.jsonl
         [--problems 20] [--heaps 48]
 
-Prints, for each set of targets, the runs of every calibration, their median, and the verdicts.
+Prints, for each set of targets, the runs of every calibration, their median, the verdicts, and the
+95 % interval of rolling friction.
 """
 
 from __future__ import annotations
@@ -37,7 +38,13 @@ Array = NDArray[np.float64]
 RESPONSES = ("angle_of_repose", "bulk_density", "base_radius")
 #: Tolerances: absolute for the angle, shares of the value for the others.
 TOLERANCES = {"angle_of_repose": "0.5 deg", "bulk_density": "1 %", "base_radius": "1 %"}
-SETS = (RESPONSES[:1], RESPONSES[:2], (RESPONSES[0], RESPONSES[2]), RESPONSES)
+SETS = (
+    RESPONSES[:1],
+    RESPONSES[:2],
+    (RESPONSES[0], RESPONSES[2]),
+    (RESPONSES[1], RESPONSES[2]),
+    RESPONSES,
+)
 PARAMETERS = [
     gf.Parameter("particle.density", 1407.0, 2793.0),
     gf.Parameter("particle_particle.rolling_friction", 0.449, 0.891),
@@ -106,8 +113,11 @@ def _terms(points: Array) -> Array:
     return np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
 
 
-def runs_of(emulator: Emulator, names: Sequence[str], seed: int) -> tuple[int, str]:
-    """Return runs and verdict of a calibration for the responses of a random material."""
+def runs_of(emulator: Emulator, names: Sequence[str], seed: int) -> tuple[int, str, float]:
+    """Return runs, verdict and half-width of a calibration for responses of a random material.
+
+    The half-width is half the 95 % interval of rolling friction, a share of the true value.
+    """
     unit = np.random.default_rng(seed).uniform(0.2, 0.8, len(PARAMETERS))
     truth = _at(unit)
     values = dict(zip(RESPONSES, emulator.expected(truth).tolist(), strict=True))
@@ -115,7 +125,9 @@ def runs_of(emulator: Emulator, names: Sequence[str], seed: int) -> tuple[int, s
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder) / "work"
         result = gf.calibrate(gf.Problem(PARAMETERS, targets), emulator, seed=seed, workdir=work)
-    return result.runs.total, result.status
+    rolling = PARAMETERS[1].name
+    interval = result.intervals[rolling]
+    return result.runs.total, result.status, (interval.high - interval.low) / 2 / truth[rolling]
 
 
 def main() -> None:
@@ -130,9 +142,11 @@ def main() -> None:
     print("scatter:", dict(zip(RESPONSES, deviations.round(5).tolist(), strict=True)))
     for names in SETS:
         found = [runs_of(emulator, names, seed) for seed in range(1, options.problems + 1)]
-        runs = [count for count, _ in found]
-        verdicts = dict(Counter(status for _, status in found))
+        runs = [count for count, _, _ in found]
+        verdicts = dict(Counter(status for _, status, _ in found))
+        width = statistics.median(width for _, _, width in found)
         print(f"{', '.join(names)}: median {statistics.median(runs):g}, {runs}, {verdicts}")
+        print(f"    rolling friction to ± {100 * width:.0f} % (median)")
 
 
 if __name__ == "__main__":

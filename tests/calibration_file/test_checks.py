@@ -95,6 +95,7 @@ CASES = {
         changed((RESTITUTION, "restitution = { min = 0.5, max = 0.9 }")),
         "",
     ),
+    "further-response": ("note", BEADS, ""),
     "soft-particles": ("note", BEADS, "youngs_modulus = "),
     "solvers-differ": ("warning", f"{BEADS}\n{PACKING}", ""),
     "large-time-step": ("warning", heap("time_step_fraction = 0.3"), "time_step_fraction = "),
@@ -236,6 +237,7 @@ def test_json_lists_what_the_terminal_shows(folder: Path) -> None:
         "assumed-size",
         "surplus-particles",
         "short-timeout",
+        "further-response",
     ]
     assert findings[2]["key"] == "test[0].particle_count"
     assert [finding["text"] for finding in findings] == document["notes"]

@@ -105,6 +105,38 @@ def test_one_parameter_is_narrowed_as_its_slope_and_the_uncertainty_say() -> Non
         assert found.narrowing[density.name] == pytest.approx(1 / sqrt(1 + change**2 / 12))
 
 
+def test_the_radius_of_a_heap_narrows_rolling_friction_as_slope_and_ruler_say() -> None:
+    rolling = replace(ROLLING, scale="log")
+    responses = BUILT_IN["heap"].responses
+    known = {name: responses[name].sensitivities for name in ("angle_of_repose", "base_radius")}
+    middle = {**GLASS_BEADS, rolling.name: rolling.from_unit(0.5)}
+    angle, radius = (
+        found.at(middle)[rolling.name] / hypot(share, found.scatter / sqrt(5))
+        for found, share in zip(known.values(), (1 / 25, 0.01), strict=True)
+    )
+    before, after = (196 / sqrt(12 / log(12) ** 2 + angle**2 + also**2) for also in (0.0, radius))
+    found = expected(rolling, targets=(ANGLE,)).further
+    assert found == messages.MEASURE_AS_WELL(
+        response="base_radius",
+        test="heap",
+        accuracy="1 %",
+        tool=" (with a ruler)",
+        name=rolling.name,
+        after=f"{after:.2g}",
+        before=f"{before:.2g}",
+    )
+
+
+def test_no_further_response_where_it_tells_little_or_is_measured() -> None:
+    radius = gf.Target("base_radius", 0.13, uncertainty="1 %")
+    fine = gf.Target("angle_of_repose", 25.0, uncertainty="0.1 deg")
+    assert "base_radius" in expected(ROLLING, targets=(ANGLE, BULK_DENSITY)).further
+    assert expected(ROLLING, targets=(radius, BULK_DENSITY)).further == ""
+    assert expected(DENSITY).further == ""
+    assert expected(ROLLING, targets=(ANGLE,), test=CLUMPS).further == ""
+    assert expected(ROLLING, targets=(fine,)).further == ""
+
+
 def test_rolling_friction_counts_less_where_it_is_larger_than_sliding_friction() -> None:
     low = replace(ROLLING, minimum=0.01, maximum=0.1)
     high = replace(ROLLING, minimum=0.2, maximum=2.0)

@@ -119,7 +119,8 @@ def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     [density] = found.best.tests[0].responses
     assert density.slopes[DENSITY] == pytest.approx(1.07, abs=0.15)
     # The particles are too soft to be compressed: said, not simulated.
-    [remark] = found.remarks
+    own, remark = found.remarks
+    assert own.startswith("Measure bulk_density of heap as well, to 1 %: by recorded slopes,")
     assert remark.startswith("Not compared: compression.")
     assert "Do next: packing (poured container)." in str(found)
     # A second call makes no run, and says the same.

@@ -125,6 +125,14 @@ def test_a_heap_and_a_draw_down_settle_both_frictions(plan: Path) -> None:
     assert compared >= {"heap", "draw_down", "compression", "discharge", "packing"}
 
 
+def test_a_response_that_the_file_leaves_out_is_named_where_it_pays(plan: Path) -> None:
+    fixed = FILE.replace("{ min = 0.1, max = 0.9 }", "0.5")
+    plan.write_text(fixed + MEASURED.removeprefix(FILE), encoding="utf-8")
+    assert any("Measure base_radius of heap as well" in words for words in gf.design(plan).remarks)
+    plan.write_text(fixed, encoding="utf-8")
+    assert not any("as well" in words for words in gf.design(plan).remarks)
+
+
 def test_a_parameter_whose_effect_is_not_recorded_counts_as_known(plan: Path) -> None:
     cohesive = FILE.replace(
         "[particle_wall]", 'surface_energy = { min = "0 J/m^2", max = "1 J/m^2" }\n[particle_wall]'

@@ -50,10 +50,12 @@ class Accuracy:
 
 
 #: Usual accuracy by name of the response, where it is not that of its unit: averages of a steady
-#: state, which instruments measure better than the slope of a heap.
+#: state, which instruments measure better than the slope of a heap, and a mean of several
+#: directions by a ruler.
 _OF_RESPONSE: Mapping[str, Accuracy] = {
     "internal_friction_angle": Accuracy(0.5),
     "dynamic_angle": Accuracy(0.5),
+    "base_radius": Accuracy(0.01, is_share=True),
 }
 #: Usual accuracy by unit: angles, densities, mass flows, stresses and moduli, lengths, ratios.
 _OF_UNIT: Mapping[str, Accuracy] = {

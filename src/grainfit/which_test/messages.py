@@ -42,6 +42,11 @@ HARDLY_TOLD_APART = Message(
     "{names} can hardly be told apart by {tests} alone{while_free}: {about} {kept} stays open. "
     "To tell them apart: {how}"
 )
+MEASURE_AS_WELL = Message(
+    "Measure {response} of {test} as well, to {accuracy}{tool}: by recorded slopes, {name} would "
+    "keep ± {after} % instead of ± {before} %. The runs have it anyway; a calibration takes about "
+    "two more of them."
+)
 
 # Tests that are compared.
 UNKNOWN_TEST = Message("{name!r} is not a bulk test.", "{known}")

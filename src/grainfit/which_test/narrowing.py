@@ -31,6 +31,7 @@ from grainfit.which_test.determining_tests import (
     how_to_determine,
     how_to_tell_apart,
 )
+from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge, even_deviation
 from grainfit.which_test.recorded import (
     are_dry_spheres,
@@ -62,12 +63,15 @@ class ExpectedNarrowing:
     notes : tuple of str
         Sentences about the limits of the estimate, and about parameters that will stay open, with
         tests to add.
+    further : str
+        Sentence on a response of the same runs that would narrow a parameter further; may be empty.
     """
 
     __repr__ = one_line
 
     narrowing: dict[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    further: str = ""
 
 
 def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> ExpectedNarrowing:
@@ -110,13 +114,16 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
     widths = estimate.narrowing()
     measured = problem.responses
+    then = estimate.before.after(slopes, estimate.errors)
+    seen = [name for name, width in widths.items() if width <= _OPEN]
+    further = further_response(then, seen, solvers, measured, material)
     notes = (
         *(() if are_dry_spheres(solvers, material) else (messages.SLOPES_OF_DRY_SPHERES(),)),
         *([_note_on_unrecorded(unrecorded, widths, measured)] if unrecorded else ()),
         *_notes(estimate, tests, measured, about="at least" if unrecorded else "about"),
         *map(better_fixed, without_effect),
     )
-    return ExpectedNarrowing(widths, notes)
+    return ExpectedNarrowing(widths, notes, further)
 
 
 def _responses(

@@ -16,3 +16,12 @@ def open_parameters(context: CheckContext) -> Iterator[Found]:
 
     for note in expected_narrowing(context.problem, context.solvers).notes:
         yield "", note
+
+
+@check("further-response")
+def further_response(context: CheckContext) -> Iterator[Found]:
+    """Response of the same runs that would narrow a parameter, such as the radius of a heap."""
+    from grainfit.which_test.narrowing import expected_narrowing
+
+    if further := expected_narrowing(context.problem, context.solvers).further:
+        yield "", further

@@ -14,6 +14,7 @@ from grainfit.errors import InputError
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
 from grainfit.which_test.available import available_tests, material_of
+from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
 from grainfit.which_test.simulation import Simulation, seconds_of
@@ -94,14 +95,17 @@ def advise(
     if not today.parameters:
         return Advice(today)
     material = material_of(solvers, medians)
+    open_ones = [parameter.name for parameter in today.parameters]
+    own = further_response(cloud.knowledge, open_ones, solvers, today.measured, material)
     others = available_tests(saved.problem.parameters, solvers, material, tests)
     if not others.solvers:
-        return Advice(today, remarks=tuple(others.remarks()))
+        return Advice(today, remarks=(*filter(None, (own,)), *others.remarks()))
     points = [dict(zip(cloud.names, values[i].tolist(), strict=True)) for i in cloud.spread()]
     found = simulation.candidates(
         others, cloud, points, lambda test, name, info: accuracy_of(test, name, info.unit, given)
     )
-    return rank_tests(today, found.candidates, found.remarks, len(points), found.seeds)
+    remarks = (*filter(None, (own,)), *found.remarks)
+    return rank_tests(today, found.candidates, remarks, len(points), found.seeds)
 
 
 def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:

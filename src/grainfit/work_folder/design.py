@@ -19,8 +19,9 @@ from grainfit.problem import Parameter
 from grainfit.validation import as_number
 from grainfit.which_test import messages
 from grainfit.which_test.available import AvailableTests, available_tests, material_of
-from grainfit.which_test.candidate import Candidate
+from grainfit.which_test.candidate import Candidate, knowledge_after
 from grainfit.which_test.determining_tests import other_measurement
+from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.measurement_plan import MeasurementPlan, rank_combinations
 from grainfit.which_test.recorded import (
@@ -143,6 +144,7 @@ def _by_recorded_slopes(
         *compared.without(missing).remarks(),
         *(() if is_recorded else (messages.RECORDED_FOR_DRY_SPHERES(),)),
         *_remarks_on_unrecorded(without, nowhere),
+        *_remarks_on_own(planned, [c for c in found if c.name in planned.solvers], before),
     ]
     slopes = "Slopes are recorded ones, see docs/choosing_tests.md."
     return rank_combinations(
@@ -179,6 +181,19 @@ def _recorded(
         else:
             missing[test] = messages.NO_SENSITIVITIES()
     return found, missing
+
+
+def _remarks_on_own(
+    planned: PlannedFile, own: Sequence[Candidate], before: Knowledge
+) -> Iterator[str]:
+    """Yield a sentence on a response of the tests of the file that the file leaves out."""
+    solvers = {candidate.name: planned.solvers[candidate.name] for candidate in own}
+    known = knowledge_after(before, own)
+    several = len(solvers) > 1
+    measured = [r.name if several else r.short_name for c in own for r in c.responses]
+    material = material_of(solvers, _middle(planned))
+    if further := further_response(known, known.names, solvers, measured, material):
+        yield further
 
 
 def _remarks_on_unrecorded(

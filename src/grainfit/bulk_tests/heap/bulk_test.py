@@ -146,7 +146,7 @@ class Heap(BulkTest):
             Sensitivities(
                 {SLIDING: -0.09, ROLLING: -0.21},
                 {SLIDING: -0.16, ROLLING: -0.11},
-                0.02,
+                0.01,
                 larger=(0.65, 1.31),
             ),
             absent=_AT_EDGE,
@@ -159,7 +159,7 @@ class Heap(BulkTest):
             Sensitivities(
                 {SLIDING: 0.17, ROLLING: 0.42},
                 {SLIDING: 0.33, ROLLING: 0.21},
-                0.04,
+                0.032,
                 larger=(0.56, 1.12),
             ),
             absent=_AT_EDGE,

@@ -25,7 +25,7 @@ from grainfit.calibration_file.checks.targets import targets_of_test, too_few_ta
 from grainfit.calibration_file.checks.unusual_values import unusual_value
 from grainfit.checks import Check, Finding
 from grainfit.contact_models.checks import solvers_differ
-from grainfit.which_test.open_parameters import open_parameters
+from grainfit.which_test.open_parameters import further_response, open_parameters
 
 #: In the order of their findings; those of the bulk tests themselves come in between.
 _BEFORE_TESTS: tuple[Check[FileContext], ...] = (
@@ -48,6 +48,7 @@ _AFTER_TESTS: tuple[Check[FileContext], ...] = (
     fine_tolerance,
     short_timeout,
     long_calibration,
+    further_response,
 )
 
 
