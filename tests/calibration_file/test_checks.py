@@ -96,6 +96,7 @@ CASES = {
         "",
     ),
     "further-response": ("note", BEADS, ""),
+    "mpi-ranks": ("warning", heap("ranks = 4096"), ""),
     "soft-particles": ("note", BEADS, "youngs_modulus = "),
     "solvers-differ": ("warning", f"{BEADS}\n{PACKING}", ""),
     "large-time-step": ("warning", heap("time_step_fraction = 0.3"), "time_step_fraction = "),
@@ -250,3 +251,23 @@ def test_the_documentation_lists_all_checks() -> None:
     for check in all_checks():
         row = f"| `{check.name}` | {check.severity} | {check.about} |"
         assert row in REFERENCE, row
+
+
+def said_of_ranks(folder: Path, monkeypatch: pytest.MonkeyPatch, cores: int, text: str) -> str:
+    monkeypatch.setattr("os.sched_getaffinity", lambda _pid: set(range(cores)))
+    (folder / "calibration.toml").write_text(text, encoding="utf-8")
+    plan = describe_plan(gf.load(folder / "calibration.toml"))
+    return " ".join(f.text for f in plan.findings if f.check == "mpi-ranks")
+
+
+def test_ranks_are_weighed_against_runs_at_a_time(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = said_of_ranks(folder, monkeypatch, 8, heap("ranks = 2"))
+    assert said.startswith("With 2 MPI ranks a run and 4 runs at a time, the calibration takes ")
+    assert "with ranks = 1 and 8 runs at a time, about " in said
+    workers = heap("ranks = 2") + "\n[strategy]\nworkers = 4\n"
+    assert said_of_ranks(folder, monkeypatch, 6, workers).startswith(
+        "4 runs at a time with 2 MPI ranks each take 8 cores, and there are 6: "
+    )
+    assert said_of_ranks(folder, monkeypatch, 8, BEADS) == ""

@@ -165,4 +165,9 @@ class CalibrationFile:
     @property
     def runs_at_once(self) -> int:
         """Number of runs that this machine has cores for."""
-        return max(1, len(os.sched_getaffinity(0)) // self.ranks)
+        return max(1, self.cores // self.ranks)
+
+    @property
+    def cores(self) -> int:
+        """Number of cores that this process may use."""
+        return len(os.sched_getaffinity(0))

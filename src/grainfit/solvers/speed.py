@@ -14,6 +14,11 @@ _CACHE_EXPONENT = 0.15
 _RANKS_EXPONENT = 0.2
 
 
+def gain_of_ranks(ranks: int) -> float:
+    """Return how many times as fast as one a number of MPI ranks simulates a run."""
+    return float(ranks**_RANKS_EXPONENT)
+
+
 @dataclass(frozen=True)
 class Speed:
     """Speed of a DEM program.
@@ -37,6 +42,6 @@ class Speed:
             MPI ranks of the run.
         """
         spheres = workload.particles * workload.spheres
-        speed = self.sphere_steps * ranks**_RANKS_EXPONENT
+        speed = self.sphere_steps * gain_of_ranks(ranks)
         speed *= min(_CACHED_SPHERES / spheres, 1.0) ** _CACHE_EXPONENT
         return RunCost(**vars(workload), wall_seconds=workload.steps * spheres / speed)

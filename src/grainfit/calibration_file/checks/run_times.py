@@ -14,8 +14,9 @@ from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
-from grainfit.formatting import duration, number
+from grainfit.formatting import counted, duration, number
 from grainfit.solvers.base import Solver
+from grainfit.solvers.speed import gain_of_ranks
 
 #: Largest share of the time that is worth a sentence.
 _WORTH_IT = 0.8
@@ -35,6 +36,33 @@ def short_timeout(context: FileContext) -> Iterator[Found]:
                 f"Test {test}: timeout = {duration(limit)}, but a run takes about "
                 f"{duration(seconds)} and would be stopped before its end. Leave timeout out, or "
                 "give several times as much.",
+            )
+
+
+@check("mpi-ranks", "warning")
+def mpi_ranks(context: FileContext) -> Iterator[Found]:
+    """MPI ranks that more runs at a time would beat, or that there are no cores for."""
+    file, time = context.file, context.time
+    if file.ranks == 1 or file.cluster is not None:
+        return
+    workers = file.strategy.workers or file.runs_at_once
+    if workers * file.ranks > file.cores:
+        yield (
+            "",
+            f"{counted(workers, 'run')} at a time with {file.ranks} MPI ranks each take "
+            f"{workers * file.ranks} cores, and there are {file.cores}: ranks then wait for each "
+            "other, and a run takes many times as long. Use fewer workers, or ranks = 1.",
+        )
+    elif time is not None:
+        gains = {t.name: gain_of_ranks(int(t.options.get("ranks", 1))) for t in file.tests}
+        costs = {test: seconds * gains[test] for test, seconds in time.costs.items()}
+        alone = replace(time, costs=costs, workers=file.cores)
+        if alone.seconds[1] <= _WORTH_IT * time.seconds[1]:
+            yield (
+                "",
+                f"With {file.ranks} MPI ranks a run and {counted(workers, 'run')} at a time, the "
+                f"calibration takes {time}; with ranks = 1 and {counted(file.cores, 'run')} at a "
+                f"time, {alone}. Ranks pay where one run alone is waited for.",
             )
 
 
