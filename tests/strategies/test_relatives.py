@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import grainfit as gf
@@ -16,6 +17,7 @@ from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Relative
 from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.staged.strategy import Staged
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -32,8 +34,6 @@ def density(sliding: float, rolling: float) -> float:
 
 
 def stiff(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
-    import numpy as np
-
     scatter = np.random.default_rng(seed).standard_normal(2)
     at = parameters["sliding"], parameters["rolling"]
     return {"angle": angle(*at) + 0.4 * scatter[0], "density": density(*at) + 3.0 * scatter[1]}
@@ -51,6 +51,12 @@ def turned(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
 
 def crash(_parameters: Mapping[str, float], _seed: int) -> dict[str, float]:
     raise gf.RunFailedError("The soft particles fly away.")
+
+
+def crash_at_the_answer(parameters: Mapping[str, float], seed: int) -> dict[str, float]:
+    if parameters["sliding"] > 0.4 and parameters["rolling"] < 0.6:
+        raise gf.RunFailedError("The soft particles fly away.")
+    return soft(parameters, seed)
 
 
 def problem_at(sliding: float = 0.5, rolling: float = 0.4) -> gf.Problem:
@@ -89,13 +95,13 @@ def is_true(result: gf.Result) -> bool:
     return off[0] <= 0.8 and off[1] <= 6.0
 
 
-@pytest.mark.parametrize("relative", [soft, turned, crash])
+@pytest.mark.parametrize("relative", [soft, turned, crash, crash_at_the_answer])
 def test_a_calibration_is_true_with_any_relative(relative: Model) -> None:
     result, evaluations = calibrated(relative)
     assert result.status == "calibrated", result
     assert is_true(result)
     runs = Counter(test for one in evaluations for test in one.runs)
-    assert runs["heap (relative)"] >= 5
+    assert 5 <= runs["heap (relative)"] <= 12
     assert 6 <= runs["heap"] <= 14
     fresh = [one for one in evaluations if one.proposal.stage == "verification"]
     assert len(fresh) >= 3
@@ -203,3 +209,23 @@ def test_a_search_that_is_asked_and_told_has_relatives() -> None:
         search.tell(proposal, outcome)
     assert search.answer().probability_all_met > 0.5
     assert asked["heap (relative)"] >= 5
+
+
+def test_failures_of_a_relative_count_for_its_own_runs_alone() -> None:
+    scope = gf.TestScope("heap", ["angle", "density"], ["sliding", "rolling"])
+    own = replace(problem_at(), tests=[scope])
+    at = {"sliding": 0.5, "rolling": 0.4}
+    failed = [
+        Evaluation(
+            gf.Proposal(at, seed, "optimisation", ("heap (relative)",)),
+            {},
+            {"heap (relative)": "The soft particles fly away."},
+            runs={"heap (relative)": str(seed)},
+        )
+        for seed in (1, 2)
+    ]
+    feasibility = FeasibilityModel(own, failed)
+    points = np.array([[0.5, 0.4], [0.95, 0.05]])
+    assert feasibility.success_of_run("heap", points) == pytest.approx([1.0, 1.0])
+    near, far = feasibility.success_of_run("heap (relative)", points)
+    assert near < 0.5 < far

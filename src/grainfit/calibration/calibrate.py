@@ -171,6 +171,8 @@ def calibrate(
     cheaper = relatives_of(problem, relatives or {})
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)
+    for solver in cheaper.values():
+        solver.check()
     verification_runs = verification_runs or VERDICT.fresh_seeds
     search = start_search(
         chosen,

@@ -28,7 +28,8 @@ class FeasibilityModel:
 
     A kernel estimate with an optimistic prior: one failure halves the probability at its point,
     each further one lowers it more. Runs that failed by a fault of the machine do not count. With
-    several tests, all have to succeed, each judged by its own runs and parameters.
+    several tests, all have to succeed, each judged by its own runs and parameters. Relatives of
+    tests are judged apart.
 
     Parameters
     ----------
@@ -41,11 +42,21 @@ class FeasibilityModel:
     def __init__(self, problem: Problem, evaluations: Sequence[Evaluation]) -> None:
         telling = [e for e in evaluations if not e.failed_by_machine]
         self._tests = [_TestFeasibility(problem, scope, telling) for scope in problem.scopes]
+        self._relatives = {
+            scope.name: _TestFeasibility(problem, scope, telling)
+            for scope in problem.relative_scopes
+        }
 
     def success_probability(self, points: Array) -> Array:
         """Probability that a run at each of some points succeeds, shape (m,)."""
         chances = [test.success_probability(points) for test in self._tests]
         return np.asarray(np.prod(chances, axis=0))
+
+    def success_of_run(self, test: str, points: Array) -> Array:
+        """Probability that a run of a relative, or of all tests, succeeds at points, shape (m,)."""
+        if test in self._relatives:
+            return self._relatives[test].success_probability(points)
+        return self.success_probability(points)
 
     def is_proven(self, point: Array) -> bool:
         """Whether a run has succeeded near a point, and nearer than any that failed.

@@ -16,7 +16,7 @@ from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread
 from grainfit.problem import Problem, TestScope
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential.belief import Belief
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
 
 Array = NDArray[np.float64]
@@ -79,18 +79,27 @@ def next_run(
     random : numpy.random.Generator
         Draws the candidates.
     """
-    scopes, relatives = belief.problem.scopes, belief.problem.relative_scopes
+    scopes = belief.problem.scopes
     if belief.seems_missed:
         # The best point that the metamodels know is no answer: another basin, or none, has one.
+        relatives = _relatives_that_succeed(belief, belief.hopeful)
         return _most_telling(belief.hopeful, conditioned, costs, scopes, relatives)
     if not belief.agrees:
         return _most_improving(belief, conditioned, costs, random)
     if belief.is_proven:
+        relatives = _relatives_that_succeed(belief, belief.gain_point)
         return _most_telling(belief.gain_point, conditioned, costs, scopes, relatives)
     unproven = belief.feasibility.unproven(belief.answer)
     return _most_telling(
         belief.answer, conditioned, costs, [s for s in scopes if s.name in unproven]
     )
+
+
+def _relatives_that_succeed(belief: Belief, point: Array) -> list[TestScope]:
+    """Return the relatives of tests of which a run at a point is likely to succeed."""
+    chances = belief.feasibility.success_of_run
+    relatives = belief.problem.relative_scopes
+    return [one for one in relatives if chances(one.name, point[None])[0] > LIKELY_TO_SUCCEED]
 
 
 def _most_telling(
@@ -151,7 +160,7 @@ def _most_improving(
 
         def lack(points: Array) -> Array:
             improved, unknown = of_runs.with_unknown(points, yields)
-            success = belief.feasibility.success_probability(points)
+            success = belief.feasibility.success_of_run(scope.name, points)
             # What is unknown of a relative is no reason for a run of it.
             worth = (improved + (0.0 if is_relative else _TIE) * unknown) * success**2
             return np.asarray(-worth / costs.seconds(scope, points) if several else -worth)
