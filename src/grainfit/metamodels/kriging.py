@@ -190,12 +190,12 @@ class Kriging:
             known_variance = (known_scatter / standardised.scale) ** 2
             fit = _most_probable_fit(candidates, data, scatter_may_vary, known_variance)
         given = (trend, points, standardised.values, known_noise, contrasts, fit.ratios)
-        related = None
+        related, components = None, [Component(one, *given) for one in fit.sets]
         if relative is not None and not standardised.are_exact:
             related = RelativePrior(relative, standardised.offset, standardised.scale, points)
-            fit = _with_relative(fit, data, related)
+            components = _with_relative(components, fit, data, related)
         return cls(
-            [Component(one, *given, related) for one in fit.sets],
+            components,
             offset=standardised.offset,
             scale=standardised.scale,
             degrees_of_freedom=fit.degrees_of_freedom,
@@ -814,8 +814,16 @@ def _most_probable_fit(
         )
 
 
-def _with_relative(fit: _Fit, data: _Data, relative: RelativePrior) -> _Fit:
-    """Average a fit without a relative with those at several ratios to it, by their evidence."""
+def _with_relative(
+    alone: Sequence[Component], fit: _Fit, data: _Data, relative: RelativePrior
+) -> list[Component]:
+    """Average components without a relative with those at several ratios to it, by their evidence.
+
+    The trend beside a relative is constant, and so it is where the evidence is compared: a linear
+    one leaves no evidence for a relation of few runs near each other.
+    """
+    trend = Trend(())
+    data = data._replace(trend=trend, contrasts=Contrasts.of(trend.matrix(data.points)))
     at_runs = relative.at(data.points)
     posteriors: dict[float, HyperparameterPosterior] = {}
     with threadpool_limits(limits=1, user_api="blas"):
@@ -836,13 +844,24 @@ def _with_relative(fit: _Fit, data: _Data, relative: RelativePrior) -> _Fit:
         shares = np.exp(np.array(evidence) - max(evidence))
         shares[shares < _SMALLEST_SHARE] = 0.0
         shares /= shares.sum()
-        sets = [
-            replace(one, ratio=ratio, weight=float(share * one.weight))
-            for share, (ratio, posterior) in zip(shares, posteriors.items(), strict=True)
-            if share
-            for one in (posterior.hyperparameters() if ratio else fit.sets)
+        # The first ratio is 0.
+        components = [
+            one.related_to(relative).weighing(float(shares[0] * one.hyperparameters.weight))
+            for one in alone
+            if shares[0]
         ]
-    return fit._replace(sets=sets)
+        for share, (ratio, posterior) in zip(shares, posteriors.items(), strict=True):
+            if share and ratio:
+                components += [
+                    Component(
+                        replace(one, ratio=ratio, weight=float(share * one.weight)),
+                        *data,
+                        fit.ratios,
+                        relative,
+                    )
+                    for one in posterior.hyperparameters()
+                ]
+    return components
 
 
 def _varying(

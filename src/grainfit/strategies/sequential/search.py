@@ -53,6 +53,9 @@ Array = NDArray[np.float64]
 _SMALL_DESIGN = 5
 #: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
+#: Runs of a relative in the design: they may cost as much as two runs of its test, and are at least
+#: as many as the test would have without it, at most four times as many.
+_COST_OF_RELATIVE, _MOST_OF_RELATIVE = 2.0, 4
 _TRIES_OF_A_MACHINE = 3
 #: Runs that usually follow the design where the scatter is small, verification included.
 _USUAL_AFTER_DESIGN = 5
@@ -117,8 +120,11 @@ class SequentialSearch(Search):
             # The relative shows how responses change, its test a difference that changes less.
             test = problem.scope_of_test(relative.of)
             usual_runs = self._design_sizes[relative.of]
-            self._design_sizes[relative.name] = usual_runs
+            affordable = int(_COST_OF_RELATIVE / relative.cost)
+            most = _MOST_OF_RELATIVE * usual_runs
+            self._design_sizes[relative.name] = max(usual_runs, min(affordable, most))
             self._design_sizes[relative.of] = min(usual_runs, len(test.parameters) + 1)
+            self._design_size = max(self._design_sizes.values())
         self._usual_design = strategy.design_runs or usual
         self._allowed = max_evaluations or (
             self._design_size + RUNS_PER_PARAMETER * problem.dimension
