@@ -189,7 +189,9 @@ def test_tests_that_are_not_those_of_the_file_are_sized_for_enlarged_particles(p
     discharge = bench.solvers["discharge"].bulk_test
     large = gf.tests.Discharge(diameter="25 mm").definition()
     assert discharge is not None
-    assert discharge.definition() == {**large, "coarse_graining": 2.5}
+    # The time step follows from the contact law, and not from the size.
+    own = {"coarse_graining": 2.5, "time_step_fraction": discharge.time_step_fraction}
+    assert discharge.definition() == {**large, **own}
     assert bench.solvers.keys() >= {"compression", "discharge", "draw_down", "packing", "shear"}
 
     plan.write_text(FILE)
