@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -229,3 +230,16 @@ def test_failures_of_a_relative_count_for_its_own_runs_alone() -> None:
     assert feasibility.success_of_run("heap", points) == pytest.approx([1.0, 1.0])
     near, far = feasibility.success_of_run("heap (relative)", points)
     assert near < 0.5 < far
+
+
+def test_no_target_is_out_of_reach_because_a_relative_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A relative that is wrong on purpose left the first basin unseen."""
+    benchmarks = Path(__file__).parents[2] / "benchmarks"
+    monkeypatch.setattr(sys, "path", [str(benchmarks), *sys.path])
+    import relatives
+
+    found = relatives.calibrate(relatives.Calibration("basins", "wrong", "cheap", 1))
+    assert found["status"] != "unreachable"
+    assert found["off"] <= 1.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.blow_ups import without_blow_ups
-from grainfit.metamodels.metamodels import Metamodels
+from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.time_steps import handicaps, log_time_steps
 from grainfit.problem import Problem
 from grainfit.strategies.out_of_reach import out_of_reach
@@ -58,6 +59,7 @@ class Belief:
         confidence_to_stop: float,
     ) -> None:
         known = without_blow_ups(problem, known)
+        self._given, self._known = problem, known
         self.metamodels = Metamodels.fit(problem, known)
         self.problem = problem = self.metamodels.problem
         self.feasibility = FeasibilityModel(problem, known)
@@ -73,7 +75,18 @@ class Belief:
         """Targets that are out of reach."""
         if self._may_meet_all(self.answers.closest[0]) or self._may_meet_all(self.hopeful):
             return ()
+        if self.problem.relatives:
+            return self._misses_without_relatives
         return out_of_reach(self.metamodels, self.hopeful, self._seed, STANDARD_ERRORS)
+
+    @property
+    def _misses_without_relatives(self) -> tuple[OutOfReach, ...]:
+        """Targets that are out of reach by the runs of the tests alone, as verdicts are."""
+        own = replace(self._given, relatives=())
+        if not can_be_fitted(own, self._known):
+            return ()
+        alone = Belief(own, self._known, self._seed, self._options, self._confidence_to_stop)
+        return alone.misses
 
     def _may_meet_all(self, point: Array) -> bool:
         return bool(self.metamodels.shortfall(point, STANDARD_ERRORS)[0] == 0)

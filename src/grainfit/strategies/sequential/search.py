@@ -420,6 +420,12 @@ class SequentialSearch(Search):
 
     @property
     def _told_after_design(self) -> int:
+        """Runs of the tests after a design: of twice the usual size where relatives chose them.
+
+        Runs about an answer that a relative has misplaced show little of the rest.
+        """
+        if self.problem.relatives:
+            return self._sets_told - 2 * self._usual_design
         return len(self._told) - self._design_size
 
     @property
@@ -428,7 +434,7 @@ class SequentialSearch(Search):
         return StoppingRule(
             confidence=self.confidence_to_stop,
             demanded=self.confidence,
-            runs_behind=self.looks if self.problem.relatives else self._told_after_design,
+            runs_behind=self._told_after_design,
             runs_left=None if has_budget else self._allowed - self._sets_told,
         )
 
