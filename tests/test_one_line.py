@@ -82,6 +82,7 @@ def of_values() -> list[Any]:
         gf.CurveTarget("stress", many, many, uncertainty=0.01),
         gf.Curve(many, many),
         gf.TestScope("heap", names, names),
+        gf.Relative("heap", 0.25),
         gf.RayleighTimeStep(0.005, by_name),
         gf.ParticleSizes(many, (0.02,) * 50),
         gf.LogNormal(median="4 mm", geometric_standard_deviation=1.7),

@@ -95,7 +95,7 @@ def test_the_example_of_the_paper_is_told_its_excess_and_a_modulus() -> None:
     assert "E/(ρ g d) = 1750: bulk_density is about 14 % above that of stiff particles" in note
     assert "(11 to 16 % within the intervals)" in note
     assert "the fitted particle density is too low" in note
-    assert "2 % with 7.1 MPa (4.4 times as many time steps)" in note
+    assert "2 % with 7.1 MPa (2.7 times as many time steps)" in note
     assert "angle_of_repose" not in note
 
 

@@ -36,7 +36,7 @@ def test_heap_and_own_drop_calibrate_from_one_file(tmp_path: Path) -> None:
     text = text.replace('"22 deg"', '"25 deg"').replace("min = 0.05", "min = 0.2")
     text = text.replace('"2 %"', '"6 %"')
     path.write_text(text, encoding="utf-8")
-    result = gf.load(path).calibrate(tmp_path / "work", workers=1, max_runs=20)
+    result = gf.load(path).calibrate(tmp_path / "work", workers=1, max_runs=40)
     assert result.status == "calibrated"
     # The bead rebounds to the square of its coefficient of restitution.
     assert result.parameters[RESTITUTION] == pytest.approx((0.120 / 0.200) ** 0.5, rel=0.06)

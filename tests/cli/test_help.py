@@ -54,7 +54,7 @@ def test_help_of_a_group_has_the_whole_first_sentence_of_each_command(
     [
         (["run"], "--strategy", "from the file"),
         (["run"], "--workdir", WORK_FOLDER),
-        (["run"], "--design-runs", r"1\.5 \(d \+ 1\).*"),
+        (["run"], "--design-runs", r"d \+ 2 for d.*"),
         (["new"], "--test", "heap; on a terminal it asks"),
         (["advise"], "--test", "all bulk tests"),
         (["advise"], "--seeds", "2"),
