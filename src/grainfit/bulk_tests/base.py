@@ -97,11 +97,11 @@ class BulkTest(OneLine, ABC):
     time_step_fraction: Amount = option(
         Quantity("", highest=1.0, above_zero=True),
         "Time step over the Rayleigh time step. With larger ones than the default of a calibration "
-        "file, which follows from restitution, rolling and cohesion, beds may never come to rest, "
-        "or are too dense.",
+        "file, which follows from restitution, rolling, cohesion and the stress on the bed, beds "
+        "may never come to rest, or are too dense.",
         example="0.2",
         default=TIME_STEP_FRACTION,
-        default_text="what is safe with the contact law: at most 0.2",
+        default_text="what is safe with contact law and bed",
     )
 
     def __post_init__(self, diameter: Amount | list[dict[str, Amount]] | None) -> None:

@@ -30,14 +30,13 @@ from grainfit.evaluation import (
     Proposal,
     Response,
     curves,
-    names_of_tests,
     response_name,
     run_name,
     scalars,
+    tests_asked,
 )
 from grainfit.metamodels.known_runs import LARGEST_DISTANCE, distance_outside
 from grainfit.problem import Problem
-from grainfit.relative_names import is_relative
 from grainfit.run_definition import RunDefinition, identity_of
 from grainfit.solvers.base import Solver
 from grainfit.units import powers
@@ -254,10 +253,8 @@ def runs_of(
 
 
 def _evaluation(point: _Point, names: Sequence[str], tests: int) -> Evaluation:
-    asked = names_of_tests(point.runs)
-    some = None if len(asked) == tests and not any(map(is_relative, asked)) else asked
     values = {name: point.values[name] for name in names}
-    proposal = Proposal(values, point.seed, "design", some)
+    proposal = Proposal(values, point.seed, "design", tests_asked(point.runs, tests))
     return evaluation_of(proposal, point.runs, tests, reused=len(point.runs))
 
 

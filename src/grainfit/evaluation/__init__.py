@@ -8,6 +8,7 @@ from grainfit.evaluation.names import (
     names_of_tests,
     response_name,
     run_name,
+    tests_asked,
 )
 from grainfit.evaluation.response import Curve, Measured, Response, curves, scalars
 
@@ -27,4 +28,5 @@ __all__ = [
     "response_name",
     "run_name",
     "scalars",
+    "tests_asked",
 ]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from grainfit.relative_names import is_relative
+
 #: Column of a response's standard error in tables of runs: after the name of the response.
 ERROR_SUFFIX = ".standard_error"
 #: Name under which a failure is kept that came without the name of a test.
@@ -42,3 +44,9 @@ def name_of_test(run: str) -> str:
 def names_of_tests(runs: Iterable[str]) -> tuple[str, ...]:
     """Return the tests of some runs by their names, each once."""
     return tuple(dict.fromkeys(map(name_of_test, runs)))
+
+
+def tests_asked(runs: Iterable[str], tests: int) -> tuple[str, ...] | None:
+    """Return the tests that a proposal asked for, by its runs; None for all of so many tests."""
+    asked = names_of_tests(runs)
+    return None if len(asked) == tests and not any(map(is_relative, asked)) else asked

@@ -548,31 +548,30 @@ def _fit(
     known = [e for e in evaluations if name in e.responses]
     axes = problem.axes_of(problem.scope_of(name))
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
+    relative = None
+    if of_relative := _runs_of_relative(problem, evaluations, name):
+        theirs = np.array([problem.to_unit(e.proposal.parameters) for e, _ in of_relative])
+        relative, _ = _fit_at(problem, name, theirs[:, axes], [one for _, one in of_relative])
     responses = [e.responses[name] for e in known]
-    relative = _fit_relative(problem, evaluations, name)
-    model, outliers = fit_without_outliers(
-        points[:, axes],
-        np.array([response.value for response in responses]),
-        np.array([response.standard_error for response in responses]),
-        problem.scatters.get(name, 0.0),
-        relative,
-    )
+    model, outliers = _fit_at(problem, name, points[:, axes], responses, relative)
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
     if len(axes) < problem.dimension:
         model = model.embedded(axes, np.delete(points, outliers.indices, axis=0))
     return model, replace(outliers, seeds=runs)
 
 
-def _fit_relative(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> Kriging | None:
-    """Fit the metamodel of the relative of a target; None without enough runs of one."""
-    known = _runs_of_relative(problem, evaluations, name)
-    if not known:
-        return None
-    axes = problem.axes_of(problem.scope_of(name))
-    points = np.array([problem.to_unit(e.proposal.parameters) for e, _ in known])
+def _fit_at(
+    problem: Problem,
+    name: str,
+    points: Array,
+    responses: Sequence[Response],
+    relative: Kriging | None = None,
+) -> tuple[Kriging, Outliers]:
+    """Fit the metamodel of a target, or of its relative, to responses at points."""
     return fit_without_outliers(
-        points[:, axes],
-        np.array([response.value for _, response in known]),
-        np.array([response.standard_error for _, response in known]),
+        points,
+        np.array([response.value for response in responses]),
+        np.array([response.standard_error for response in responses]),
         problem.scatters.get(name, 0.0),
-    )[0]
+        relative,
+    )

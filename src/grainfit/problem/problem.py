@@ -34,8 +34,6 @@ from grainfit.problem.test_scope import (
 )
 from grainfit.validation import as_number
 
-_LISTS = {"parameters": Parameter, "targets": Target, "tests": TestScope, "curves": CurveTarget}
-
 
 def _require_sequence(key: str, items: object, kind: type) -> None:
     if isinstance(items, Sequence) and all(isinstance(item, kind) for item in items):

@@ -26,8 +26,8 @@ from grainfit.evaluation import (
     Response,
     Stage,
     names_of_tests,
+    tests_asked,
 )
-from grainfit.relative_names import is_relative
 from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
@@ -165,9 +165,7 @@ class RequestRecord:
 
     def proposal(self, tests: int) -> Proposal:
         """Return the proposal of a calibration with this number of tests."""
-        asked = names_of_tests(self.runs)
-        some = None if len(asked) == tests and not any(map(is_relative, asked)) else asked
-        return Proposal(self.parameters, self.seed, self.stage, some)
+        return Proposal(self.parameters, self.seed, self.stage, tests_asked(self.runs, tests))
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> RequestRecord:

@@ -50,6 +50,7 @@ from grainfit.verdict.options import VERDICT
 
 Array = NDArray[np.float64]
 
+#: Fewest runs of the design with two parameters or more.
 _SMALL_DESIGN = 5
 #: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
