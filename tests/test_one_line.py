@@ -111,7 +111,8 @@ def of_scenes() -> list[Any]:
         "a heap", GLASS_BEADS, SIZES, column, box, walls, (stage,), 9.81, 1e-5, 1e-3, 0.1
     )
     shapes = [
-        *(scenes.Block((0.0,) * 3, (1.0,) * 3), scenes.Cylinder(0.1, 0.0, 1.0)),
+        *(scenes.Block((0.0,) * 3, (1.0,) * 3), scenes.Prism((0.0,) * 3, (1.0,) * 3, 0.5)),
+        scenes.Cylinder(0.1, 0.0, 1.0),
         *(scenes.Cone(0.1, 0.2, 0.0, 1.0), scenes.Disc(0.1, 0.0), scenes.Annulus(0.1, 0.2, 0.0)),
         *(scenes.Mesh(Path("a" * 200)), scenes.Glued(np.zeros((500, 3)), np.zeros(500, dtype=int))),
         *(

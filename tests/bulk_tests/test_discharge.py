@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+import needs
 from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.outline import concepts
 from grainfit.calibration_file.plan import describe_plan
@@ -19,6 +19,8 @@ from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.dem.yade.program import Yade
 from grainfit.testing.materials import GLASS_BEADS
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
@@ -60,26 +62,26 @@ def test_round_orifice_is_a_floor_with_a_disc_as_its_door() -> None:
     assert scene.stages[1].take_away == ("door",)
 
 
-def test_lammps_refuses_a_round_orifice_before_any_run(tmp_path: Path) -> None:
+def test_yade_refuses_a_round_orifice_before_any_run(tmp_path: Path) -> None:
     test = Discharge(diameter="10 mm", orifice="round")
+    no_damping = {f"particle_{other}.rolling_damping": 0.0 for other in ("particle", "wall")}
 
-    with pytest.raises(InputError, match=r"(?s)^solver: lammps.*use a slot") as caught:
-        Lammps(test, GLASS_BEADS).check()
-    assert 'solver = "liggghts"' in str(caught.value)
-    assert not concepts(test) & set(Liggghts.missing)
+    with pytest.raises(InputError, match=r"(?s)^solver: yade.*use a slot") as caught:
+        Yade(test, GLASS_BEADS | no_damping).check()
+    assert 'solver = "lammps" or "liggghts"' in str(caught.value)
+    assert not concepts(test) & {*Lammps.missing, *Liggghts.missing}
 
     text = EXAMPLE.read_text(encoding="utf-8")
     text = re.sub(r"(?m)^plate_.*\n", "", text)
     text = text.replace('type = "heap"', 'type = "discharge"\norifice = "round"')
     text = text.replace('angle_of_repose = { value = "22 deg", uncertainty = "0.5 deg" }', "")
-    text = text.replace("targets.\n", "")
+    text = text.replace("targets.\n", "").replace('solver = "lammps"', 'solver = "yade"')
+    text = text.replace("rolling_damping = 0.25", "rolling_damping = 0.0")
     path = tmp_path / "round.toml"
     path.write_text(text, encoding="utf-8")
     [problem] = describe_plan(gf.load(path)).problems
     line = next(n for n, row in enumerate(text.splitlines(), 1) if row.startswith("solver"))
-    assert problem.startswith(
-        f"{path}: line {line}, test discharge, solver: lammps cannot simulate"
-    )
+    assert problem.startswith(f"{path}: line {line}, test discharge, solver: yade cannot simulate")
 
 
 @pytest.mark.slow
@@ -123,12 +125,12 @@ def test_simulate_says_that_a_material_arched(
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(
-    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+@pytest.mark.parametrize(
+    "program", [Lammps, pytest.param(Liggghts, marks=needs.LIGGGHTS)], ids=lambda p: p.name
 )
-def test_round_orifice_flows_in_liggghts(tmp_path: Path) -> None:
+def test_a_round_orifice_flows_as_beverloo_says(program: type[DeckSolver], tmp_path: Path) -> None:
     test = Discharge(diameter="10 mm", orifice="round", width="9 cm", fill_height="9 cm")
-    responses = Liggghts(test, GLASS_BEADS).run({}, 1, Workspace(tmp_path, 300.0))
+    responses = program(test, GLASS_BEADS).run({}, 1, Workspace(tmp_path, 300.0))
 
     # C rho_b sqrt(g) (D - 1.4 d)^2.5, with C = 0.58 in deep beds (Beverloo, Leniger & van de Velde
     # 1961); two seeds of this one, which is as deep as wide, give 0.86 times that.

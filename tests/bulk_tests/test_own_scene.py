@@ -374,12 +374,12 @@ def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
 ) -> None:
     beads.write_text(CODE.replace('Plane("z", 0.0)', "Annulus(0.001, 0.1, 0.0)"))
     path = tmp_path / "beads.toml"
-    path.write_text(FILE.replace("SOLVER", "lammps"))
+    path.write_text(FILE.replace("SOLVER", "yade").replace("damping = 0.25", "damping = 0.0"))
 
     (problem,) = describe_plan(load_calibration(path)).problems
 
     assert dem_messages.LACKS_CONCEPT.is_in(problem)
-    assert "use a slot, or" in problem
+    assert "use a slot, a cone, or" in problem
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("packing", ""): (1, 1, "693b512048690ff6"),
     ("compression", ""): (1, 1, "8264f66227d16ddb"),
     ("discharge", "slot"): (1, 1, "3e20fd7fb0dad1c4"),
-    ("discharge", "round"): (1, 1, "d8f0e27866375d0a"),
+    ("discharge", "round"): (1, 1, "4f9adc92f3ea3306"),
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
     ("drum", ""): (1, 1, "f8c26efa526d5f0c"),
     ("shear", ""): (1, 1, "c4332ec0561127e1"),

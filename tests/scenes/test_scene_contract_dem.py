@@ -18,13 +18,25 @@ from grainfit.testing.clump_contract import ClumpContract
 from grainfit.testing.glued_contract import GluedContract
 from grainfit.testing.impact_contract import ImpactContract
 from grainfit.testing.scene_contract import SceneContract
-from grainfit.testing.simulated_scenes import BOX, DAMPED, Run, scene_of, spheres
+from grainfit.testing.simulated_scenes import (
+    BOX,
+    DAMPED,
+    RADIUS,
+    Run,
+    resting_overlap,
+    scene_of,
+    spheres,
+)
 
 
 class TestLammps(SceneContract, GluedContract, ImpactContract, ClumpContract):
     @pytest.fixture
     def solver(self):
         return Lammps(Heap(diameter="10 mm"), {})
+
+    def rests_on_annulus(self, values, distance):
+        # A region "cone" has the curvature of a tube of twice the radius: R* = 2 r R / (2 r - R).
+        return RADIUS - resting_overlap(values, curve=2 * distance / (2 * distance - RADIUS))
 
 
 @needs.LIGGGHTS

@@ -94,7 +94,7 @@ def test_a_program_that_is_not_there_or_no_yade_says_how_to_install_it(tmp_path)
 
 
 def test_a_round_orifice_is_refused_with_what_to_use_instead():
-    with pytest.raises(InputError, match='solver = "liggghts"'):
+    with pytest.raises(InputError, match='solver = "lammps" or "liggghts"'):
         Yade(Discharge(BEADS, orifice="round"), MATERIAL).check()
 
 

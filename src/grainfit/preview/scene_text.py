@@ -10,11 +10,11 @@ from grainfit.formatting import in_a_row, number
 from grainfit.formatting import millimetres as _mm
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.scene import WALL, Load, Rotation, Scene, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Prism
 from grainfit.scenes.stl import read_stl
 
 
-def _block(shape: Block) -> str:
+def _block(shape: Block | Prism) -> str:
     sides = (f"{_mm(high - low)}" for low, high in zip(shape.low, shape.high, strict=True))
     return f"block, {' x '.join(sides)}"
 
@@ -31,6 +31,7 @@ def _mesh(shape: Mesh) -> str:
 _SHAPES: Mapping[type, Callable[[Any], str]] = {
     Plane: lambda s: f"plane {s.axis} = {_mm(s.at)}, met from {'above' if s.upwards else 'below'}",
     Block: _block,
+    Prism: lambda s: f"{_block(s)}, its upper side shifted by {_mm(s.shift)} along x",
     Cylinder: lambda s: (
         f"tube, radius {_mm(s.radius)}, from {s.axis} = {_mm(s.bottom)} to {_mm(s.top)}"
     ),

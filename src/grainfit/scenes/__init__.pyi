@@ -36,3 +36,4 @@ from grainfit.scenes.shapes import Cylinder as Cylinder
 from grainfit.scenes.shapes import Disc as Disc
 from grainfit.scenes.shapes import Mesh as Mesh
 from grainfit.scenes.shapes import Plane as Plane
+from grainfit.scenes.shapes import Prism as Prism

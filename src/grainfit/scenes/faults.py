@@ -17,7 +17,7 @@ from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force
 from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
-from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Shape
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism, Shape
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.scenes.stl import mesh_faults
 
@@ -198,8 +198,10 @@ def _wall_faults(name: str, wall: Wall, scene: Scene) -> Iterator[Fault]:
         return
     if isinstance(shape, Plane) and shape.axis not in _AXES:
         yield messages.WALL_AXIS.fault(key, axis=shape.axis)
-    if isinstance(shape, Block) and not all(a < b for a, b in _sides(shape, scene.box)):
+    if isinstance(shape, Block | Prism) and not all(a < b for a, b in _sides(shape, scene.box)):
         yield messages.BLOCK_SIDES.fault(key, low=shape.low, high=shape.high)
+    if isinstance(shape, Prism) and set(scene.box.periodic) & {"x", "z"}:
+        yield messages.PRISM_PERIOD.fault(key, axes=scene.box.periodic)
     if isinstance(shape, Cylinder | Cone) and not shape.bottom < shape.top:
         yield messages.WALL_ENDS.fault(key, bottom=shape.bottom, top=shape.top)
     if any(radius <= 0 for radius in _radii(shape)):
@@ -210,7 +212,7 @@ def _wall_faults(name: str, wall: Wall, scene: Scene) -> Iterator[Fault]:
     yield from mesh_faults(key, shape, scene.box)
 
 
-def _sides(block: Block, box: Box) -> list[tuple[float, float]]:
+def _sides(block: Block | Prism, box: Box) -> list[tuple[float, float]]:
     """Lower and upper limits of a block along the axes on which it has ends."""
     sides = zip(_AXES, block.low, block.high, strict=True)
     return [(low, high) for axis, low, high in sides if axis not in box.periodic]

@@ -70,6 +70,10 @@ GLUED_COUNT = Message("{count} sizes and positions of shape {shape}")
 NO_NUMBERS = Message("{shape!r} has lengths that are no numbers.", "Give finite numbers, m.")
 WALL_AXIS = Message("has the axis {axis!r}.", "Use x, y or z.")
 BLOCK_SIDES = Message("goes from {low} to {high}.", "low is below high.")
+PRISM_PERIOD = Message(
+    "is a prism, whose slope does not repeat in a box that is periodic in {axes!r}.",
+    "Use a box that is periodic in y alone.",
+)
 WALL_ENDS = Message("goes from {bottom} up to {top} m.", "bottom is below top.")
 NO_RADIUS = Message("{shape!r} has no radius above 0.", "Give one in m.")
 NO_SURFACE = Message(

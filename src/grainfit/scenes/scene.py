@@ -76,6 +76,12 @@ class Box:
     high: Vector
     periodic: str = ""
 
+    def beyond(self, axis: str) -> tuple[float, float]:
+        """Return the ends on an axis of what goes on through a period on both sides, m."""
+        number = "xyz".index(axis)
+        low, high = self.low[number], self.high[number]
+        return 2 * low - high, 2 * high - low
+
     @property
     def longest_element(self) -> float:
         """Largest length of a triangle of a wall, m; infinite without a period.

@@ -1,4 +1,4 @@
-"""Shapes of walls: plane, block, cylinder, cone, disc, annulus, mesh. Lengths in m."""
+"""Shapes of walls: plane, block, prism, cylinder, cone, disc, annulus, mesh. Lengths in m."""
 
 from __future__ import annotations
 
@@ -43,6 +43,26 @@ class Block:
 
     low: Vector
     high: Vector
+
+
+@dataclass(frozen=True)
+class Prism:
+    """A solid block whose upper side is shifted along x, met from outside: the slope of a wedge.
+
+    Parameters
+    ----------
+    low, high : tuple of float
+        Corners of the block before its upper side is shifted. Along a periodic y axis it is
+        infinite, and they have no effect.
+    shift : float
+        Of the upper side along x.
+    """
+
+    __repr__ = one_line
+
+    low: Vector
+    high: Vector
+    shift: float
 
 
 @dataclass(frozen=True)
@@ -137,4 +157,4 @@ class Mesh:
     scale: float = 1.0
 
 
-Shape = Plane | Block | Cylinder | Cone | Disc | Annulus | Mesh
+Shape = Plane | Block | Prism | Cylinder | Cone | Disc | Annulus | Mesh

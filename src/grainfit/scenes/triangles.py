@@ -10,7 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.scenes.scene import Box
-from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Shape, Vector
+from grainfit.scenes.shapes import (
+    Annulus,
+    Block,
+    Cone,
+    Cylinder,
+    Disc,
+    Mesh,
+    Plane,
+    Prism,
+    Shape,
+    Vector,
+)
 from grainfit.scenes.stl import mesh_triangles
 
 #: Shape (n, 3, 3): corners of n triangles, m.
@@ -47,6 +58,8 @@ def triangles_of(shape: Shape, box: Box, edge: float) -> Triangles:
         return _annulus(shape, edge)
     if isinstance(shape, Plane):
         return _plane(shape, box)
+    if isinstance(shape, Prism):
+        return _prism(shape, box)
     assert isinstance(shape, Block)
     return _block(shape, box)
 
@@ -116,11 +129,15 @@ def _plane(shape: Plane, box: Box) -> Triangles:
     axis = "xyz".index(shape.axis)
     low, high = list(box.low), list(box.high)
     low[axis] = high[axis] = shape.at
-    return _face((low[0], low[1], low[2]), (high[0], high[1], high[2]), axis, box)
+    ends = (low[0], low[1], low[2]), (high[0], high[1], high[2])
+    return _face(*ends, axis, box.longest_element)
 
 
-def _block(shape: Block, box: Box) -> Triangles:
-    """Return the faces of a block within the box; it has no ends along a periodic axis."""
+def _block(shape: Block, box: Box, stretch: float = 1.0) -> Triangles:
+    """Return the faces of a block within the box; it has no ends along a periodic axis.
+
+    Its elements are shorter by a factor by which they are stretched afterwards.
+    """
     low, high = np.array(shape.low, dtype=float), np.array(shape.high, dtype=float)
     for axis, name in enumerate("xyz"):
         if name in box.periodic:
@@ -135,17 +152,30 @@ def _block(shape: Block, box: Box) -> Triangles:
                 continue
             start, end = low.copy(), high.copy()
             start[axis] = end[axis] = at
-            faces.append(_face(tuple(start), tuple(end), axis, box))
+            faces.append(_face(tuple(start), tuple(end), axis, box.longest_element / stretch))
     return np.concatenate(faces)
 
 
-def _face(low: Vector, high: Vector, axis: int, box: Box) -> Triangles:
-    """Triangles of an axis-parallel rectangle; short ones along periodic axes."""
+def _prism(shape: Prism, box: Box) -> Triangles:
+    """Return the faces of a prism; it has no ends along a periodic y axis."""
+    slope = shape.shift / (shape.high[2] - shape.low[2])
+    # A little around it, so that none of its faces is beyond the box that cuts a block.
+    low, high = np.array(shape.low) - 1, np.array(shape.high) + 1
+    period = (box.low[1], box.high[1]) if "y" in box.periodic else (low[1], high[1])
+    around = Box((low[0], period[0], low[2]), (high[0], period[1], high[2]), box.periodic)
+    # Its sides are longer than those of the block.
+    triangles = _block(Block(shape.low, shape.high), around, math.hypot(1, slope))
+    triangles[..., 0] += slope * (triangles[..., 2] - shape.low[2])
+    return triangles
+
+
+def _face(low: Vector, high: Vector, axis: int, longest: float) -> Triangles:
+    """Triangles of an axis-parallel rectangle, no longer than a length, m, along each axis."""
     across = [other for other in range(3) if other != axis]
     lines = []
     for other in across:
         length = high[other] - low[other]
-        parts = max(1, math.ceil(length / box.longest_element))
+        parts = max(1, math.ceil(length / longest))
         lines.append(np.linspace(low[other], high[other], parts + 1))
     triangles = []
     for (a, b), (c, d) in itertools.product(

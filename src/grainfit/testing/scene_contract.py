@@ -88,7 +88,7 @@ class SceneContract(WallContract, MotionContract, StageContract):
         assert list(tmp_path.iterdir()) == []
 
     def test_missing_concepts_are_concepts_of_scenes(self, solver: DeckSolver) -> None:
-        shapes = {"plane", "block", "cylinder", "cone", "disc", "annulus", "mesh"}
+        shapes = {"plane", "block", "prism", "cylinder", "cone", "disc", "annulus", "mesh"}
         shapes.add("lying cylinder")
         motions = {"velocity", "load", "velocity and load", "rotation"}
         axes = {f"periodic {axes}" for axes in ("x", "y", "z", "xy", "xz", "yz", "xyz")}

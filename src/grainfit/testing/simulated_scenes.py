@@ -158,6 +158,13 @@ class SimulatedScenes:
         """Return the height of the centre of a particle at rest on a wall at height 0, m."""
         return RADIUS - resting_overlap(values, curve=self.wall_radius)
 
+    def rests_on_annulus(self, values: Mapping[str, float], distance: float) -> float:  # noqa: ARG002
+        """Return the height of the centre of a particle at rest on a ring at height 0, m.
+
+        Its distance from the axis, m, matters to a program that gives the ring a curvature.
+        """
+        return self.rests_at(values)
+
     def tube_floor(self, radius: float) -> tuple[float, float]:
         """Return how far below its axis the floor of a lying tube is, and its radius there, m."""
         return radius, radius

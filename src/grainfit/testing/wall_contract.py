@@ -21,7 +21,7 @@ from grainfit.scenes.conditions import AtRest, Elapsed
 from grainfit.scenes.packing import Column, Rectangle, random_column
 from grainfit.scenes.records import Force, RadialForce, Recorded, Series
 from grainfit.scenes.scene import Box, Stage, Wall, time_step
-from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Shape
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Prism, Shape
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.program import DeckSolver
@@ -47,6 +47,10 @@ from grainfit.testing.simulated_scenes import (
     settle,
     spheres,
 )
+
+#: A slope that falls by 36.9 degrees towards -x, in a slice that is periodic along y.
+_SLOPE = {"slope": Wall(Prism((0.0, 0.01, -0.03), (0.04, 0.02, 0.0), 0.04))}
+_SLICE = Box((-0.1, 0.0, -0.1), (0.1, 0.05, 0.2), periodic="y")
 
 
 def _attracting(model: ContactModel, name: str, weights: float) -> float:
@@ -167,6 +171,45 @@ class WallContract(SimulatedScenes):
         assert positions[0, 2] == pytest.approx(self.rests_at(DAMPED), abs=2e-5)
         assert positions[1, 2] == pytest.approx(RADIUS - GRAVITY * 0.1**2 / 2, abs=2e-5)
 
+    def test_a_prism_has_an_exact_slope_and_edges(self, run: Run) -> None:
+        sine, drop = 0.6, 0.02
+        # Its lower edge, the middle of its slope, its upper edge: normals in x and z, and places.
+        across = np.array([-0.8, -sine, -0.3])
+        normals = np.column_stack((across, np.zeros(3), np.sqrt(1 - across**2)))
+        touched = np.array([[0.0, 0.001, -0.03], [0.02, 0.025, -0.015], [0.04, 0.049, 0.0]])
+        starts = touched + RADIUS * normals + np.array([0.0, 0.0, drop])
+        until = math.sqrt(2 * drop / GRAVITY) + 0.015
+        stages = [*frames(until), Stage("more", Elapsed(0.004), snapshot="later")]
+        scene = scene_of(spheres(starts.tolist()), _SLOPE, stages, STIFF, box=_SLICE)
+        out = run(scene)
+
+        # Elastic and smooth: the part of the velocity along the normal turns round.
+        speed = math.sqrt(2 * GRAVITY * drop)
+        bounced = 2 * speed * normals[:, 2:] * normals
+        found = final_velocities(out, scene)
+        assert found[:, :2] == pytest.approx(bounced[:, :2], abs=0.05 * speed)
+        energy = MASS * GRAVITY * 3 * drop
+        fallen = (starts - out.snapshot("later").positions)[:, 2].sum()
+        assert out.stages[-1].kinetic_energy == pytest.approx(WEIGHT * fallen, abs=0.01 * energy)
+
+    @pytest.mark.parametrize("friction", [0.0, 0.2])
+    def test_a_particle_slides_down_a_prism(self, run: Run, friction: float) -> None:
+        sine, cosine = 0.6, 0.8
+        start = np.array([0.036 - sine * RADIUS, 0.001, -0.003 + cosine * RADIUS])
+        columns = {"down": Force("slope", "z"), "sideways": Force("slope", "x")}
+        stages = frames(0.08, 2, Series(columns, 0.001))
+        values = material(0.3, friction)
+        out = run(scene_of(spheres([start.tolist()]), _SLOPE, stages, values, box=_SLICE))
+
+        slid = GRAVITY * (sine - friction * cosine) * 0.08**2 / 2
+        moved = out.snapshot("frame2").positions[0] - start
+        assert moved == pytest.approx([-slid * cosine, 0, -slid * sine], abs=0.03 * slid)
+        series = means(out, "part2")
+        normal = WEIGHT * cosine
+        down, sideways = cosine + friction * sine, sine - friction * cosine
+        assert series["down"] == pytest.approx(-normal * down, rel=0.02)
+        assert series["sideways"] == pytest.approx(normal * sideways, rel=0.02)
+
     @pytest.mark.parametrize("ends", [(0.0, 0.06), (BOX.low[2], BOX.high[2])])
     def test_a_tube_holds_two_particles_that_wedge_each_other(
         self, run: Run, ends: tuple[float, float]
@@ -244,7 +287,40 @@ class WallContract(SimulatedScenes):
 
     def test_particles_lie_on_an_annulus_and_fall_through_its_orifice(self, run: Run) -> None:
         walls = {"ring": Wall(Annulus(0.0075, 0.03, 0.0))}
-        self._stay_and_fall(run, walls, [(0.02, 0), (0, -0.0105)], [(0, 0), (0.037, 0)])
+        on_it = [(0.02, 0.0), (0.0, -0.0105)]
+        heights = [self.rests_on_annulus(DAMPED, math.hypot(*place)) for place in on_it]
+        self._stay_and_fall(run, walls, on_it, [(0, 0), (0.037, 0)], heights)
+
+    def test_an_annulus_is_met_at_its_rims(self, run: Run) -> None:
+        # A region that is put together from others has no contact beside the rim of its orifice.
+        inner, outer, beyond, drop = 0.02, 0.05, 0.5 * RADIUS, 0.02
+        # Above, beside both rims, and thrown up at the rim from below.
+        across = np.array([0.0, -beyond, beyond, -beyond])
+        distances = np.array([0.035, inner, outer, inner]) + across
+        up = np.array([1, 1, 1, -1])
+        directions = np.column_stack((np.cos([0.3, 1.9, 3.4, 5.3]), np.sin([0.3, 1.9, 3.4, 5.3])))
+        heights = up * np.sqrt(RADIUS**2 - across**2)
+        normals = np.column_stack((across[:, None] * directions, heights))
+        starts = np.column_stack((distances[:, None] * directions, heights + up * drop))
+        speed = math.sqrt(2 * GRAVITY * drop)
+        velocities = np.zeros((4, 3))
+        # It is as fast as the others when it meets the rim.
+        velocities[3, 2] = math.sqrt(2) * speed
+        until = math.sqrt(2 * drop / GRAVITY) + 0.012
+        stages = [*frames(until), Stage("more", Elapsed(0.004), snapshot="later")]
+        walls = {"ring": Wall(Annulus(inner, outer, 0.0))}
+        particles = spheres(starts.tolist(), velocities.tolist())
+        scene = scene_of(particles, walls, stages, STIFF)
+        out = run(scene)
+
+        normals /= RADIUS
+        bounced = 2 * speed * np.abs(normals[:, 2:]) * normals
+        found = final_velocities(out, scene)
+        assert found[:, :2] == pytest.approx(bounced[:, :2], abs=0.05 * speed)
+        first = scene.initial_energy
+        gained = WEIGHT * (starts - out.snapshot("later").positions)[:, 2].sum()
+        energy = MASS * GRAVITY * 4 * drop
+        assert out.stages[-1].kinetic_energy == pytest.approx(first + gained, abs=0.01 * energy)
 
     def test_particles_lie_on_triangles_of_a_file(self, run: Run, tmp_path: Path) -> None:
         path = tmp_path / "a table.stl"
@@ -259,6 +335,7 @@ class WallContract(SimulatedScenes):
         walls: Mapping[str, Wall],
         on_it: Sequence[tuple[float, float]],
         beside: Sequence[tuple[float, float]],
+        resting: Sequence[float] = (),
     ) -> None:
         """Check which of some particles at rest stay on a wall at height 0."""
         particles = spheres([(x, y, RADIUS) for x, y in (*on_it, *beside)])
@@ -268,7 +345,8 @@ class WallContract(SimulatedScenes):
 
         assert positions[:, :2] == pytest.approx(particles.positions[:, :2], abs=1e-6)
         heights, fallen = positions[: len(on_it), 2], positions[len(on_it) :, 2]
-        assert heights == pytest.approx(self.rests_at(DAMPED), abs=5e-6)
+        expected = np.array(resting or [self.rests_at(DAMPED)] * len(on_it))
+        assert heights == pytest.approx(expected, abs=1e-6)
         assert fallen == pytest.approx(RADIUS - GRAVITY * 0.1**2 / 2, abs=2e-5)
 
     # --- box -----------------------------------------------------------------------------------

@@ -122,7 +122,7 @@ class Discharge(BulkTest):
     orifice: str = option(
         Choice((SLOT, ROUND)),
         "Shape of the orifice: a slot in a slice of periodic depth, or a round hole in a cylinder "
-        "(LIGGGHTS only).",
+        "(LAMMPS and LIGGGHTS).",
         example=f'"{SLOT}"',
         default=SLOT,
         default_text=f'`"{SLOT}"`',

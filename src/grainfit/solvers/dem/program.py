@@ -368,7 +368,7 @@ class DeckSolver(Solver):
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless the program is found.
 
-        `InputError` if it cannot simulate the test, such as a round orifice with LAMMPS. The
+        `InputError` if it cannot simulate the test, such as a round orifice with YADE. The
         default program is asked for its version. A program given by `executable` is started by the
         first run only.
         """

@@ -10,7 +10,7 @@ from typing import ClassVar
 from grainfit.contact_models.lammps import lammps_clauses, lammps_keywords
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import Load, Motion, Rotation, Scene, Stage, Wall
-from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Shape
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism, Shape
 from grainfit.solvers.dem.lammps.rigid_clumps import BODIES, RigidClumps
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_syntax import command, continued, heading
@@ -18,12 +18,10 @@ from grainfit.solvers.dem.sphere_types import SphereTypes
 
 #: Concepts that LAMMPS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
-    "annulus": (
-        "LAMMPS has no sharp-edged round orifice (a particle beside the rim of a composed region "
-        'has no contact until its centre is below it); use a slot, or solver = "liggghts"'
-    ),
     "mesh": 'LAMMPS has no friction on walls from STL files; use solver = "liggghts"',
 }
+#: Height of the nearly flat cone that is a ring, over its outer radius.
+_FLAT = 1e-6
 
 
 class LammpsSceneDeck(ScriptDeck):
@@ -220,6 +218,12 @@ class LammpsSceneDeck(ScriptDeck):
             if shape.axis in self.scene.box.periodic:
                 ends = "INF INF"
             return f"cylinder {shape.axis} 0 0 {shape.radius} {ends} units box open 1 open 2"
+        if isinstance(shape, Prism):
+            return f"prism {_numbers(self._prism(shape))} units box side out"
+        if isinstance(shape, Annulus):
+            # Without ends, a cone is met from both sides and at its rims: a flat one is a ring.
+            bottom = shape.z - _FLAT * shape.outer_radius
+            return self._region(Cone(shape.inner_radius, shape.outer_radius, bottom, shape.z))
         if isinstance(shape, Cone):
             radii = f"{shape.lower_radius} {shape.upper_radius}"
             return f"cone z 0 0 {radii} {shape.bottom} {shape.top} units box open 1 open 2"
@@ -227,6 +231,18 @@ class LammpsSceneDeck(ScriptDeck):
         # A solid cylinder met from outside: far below, or its lower side would count.
         bottom = shape.z - 2 * (shape.z - self.scene.box.low[2])
         return f"cylinder z 0 0 {shape.radius} {bottom} {shape.z} units box side out"
+
+    def _prism(self, shape: Prism) -> list[float]:
+        """Return the limits of a prism and its shifts, m.
+
+        Along a periodic axis it ends beyond the box: the edges of an infinite one are lost to
+        rounding.
+        """
+        ends: list[float] = []
+        box = self.scene.box
+        for axis, low, high in zip("xyz", shape.low, shape.high, strict=True):
+            ends += box.beyond(axis) if axis in box.periodic else (low, high)
+        return [*ends, 0.0, shape.shift, 0.0]
 
     # --- motions -------------------------------------------------------------------------------
 

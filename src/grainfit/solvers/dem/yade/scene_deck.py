@@ -17,7 +17,7 @@ from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES_HEADER
 from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Velocity, Wall, load_on
-from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Vector
+from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Prism, Vector
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.card_parts import fill
@@ -29,12 +29,12 @@ from grainfit.solvers.dem.yade.clump_shares import clump_shares
 
 _EDGES = (
     "YADE gives a particle near an edge between two triangles of one plane two contacts, one of "
-    'them tilted; use {instead}solver = "liggghts"'
+    "them tilted; use {instead}"
 )
 #: Concepts that YADE does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
-    "annulus": _EDGES.format(instead="a slot, a cone, or "),
-    "mesh": _EDGES.format(instead=""),
+    "annulus": _EDGES.format(instead='a slot, a cone, or solver = "lammps" or "liggghts"'),
+    "mesh": _EDGES.format(instead='solver = "liggghts"'),
 }
 #: Thickness of the panels of tubes, and of discs, in Sauter diameters; width of panels.
 _THICKNESS, _PANEL = 0.5, 0.95
@@ -109,6 +109,7 @@ class YadeSceneDeck(SceneDeck):
                 "clumps": None if scene.clumps is None else clump_shares(scene.clumps.clump),
                 "file_name": self.file_name,
                 "glued": list(scene.glued),
+                "prisms": "prism" in scene.concepts(),
                 "time_step": scene.time_step,
                 "gravity": scene.gravity,
                 "low": tuple(scene.box.low),
@@ -230,6 +231,8 @@ class YadeSceneDeck(SceneDeck):
             yield self._block(name, wall, *self._behind(shape, 1.0 if self._turns(name) else 0.0))
         elif isinstance(shape, Block):
             yield self._block(name, wall, shape.low, shape.high)
+        elif isinstance(shape, Prism):
+            yield self._block(name, wall, shape.low, shape.high, shape.shift)
         elif isinstance(shape, Cylinder):
             bottom, top = shape.bottom, shape.top
             if self._repeats(shape.axis):
@@ -274,14 +277,17 @@ class YadeSceneDeck(SceneDeck):
         low[axis], high[axis] = start, start + depth
         return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
-    def _block(self, name: str, wall: Wall, low: Vector, high: Vector) -> str:
-        """Return the line that puts a block, infinite along periodic axes."""
+    def _block(
+        self, name: str, wall: Wall, low: Vector, high: Vector, shift: float | None = None
+    ) -> str:
+        """Return the line that puts a block or a prism, infinite along periodic axes."""
         ends = list(zip(low, high, strict=True))
         for number, (axis, length) in enumerate(zip("xyz", self._lengths(), strict=True)):
             if self._repeats(axis):
                 ends[number] = (-_PERIODS * length, _PERIODS * length)
         lower, upper = zip(*((float(a), float(b)) for a, b in ends), strict=True)
-        return f"block({name!r}, {wall.surface!r}, {lower}, {upper})"
+        corners = f"{name!r}, {wall.surface!r}, {lower}, {upper}"
+        return f"block({corners})" if shift is None else f"prism({corners}, {shift!r})"
 
     # --- stages --------------------------------------------------------------------------------
 
