@@ -1,5 +1,7 @@
 """Write the tables of options in docs/calibration_file.md from the declarations of the options.
 
+Instruments are in docs/instruments.md, from their files.
+
 python tools/option_tables.py
 
 Responses and options of each built-in test, the options of the [strategy] section, and those of
@@ -14,6 +16,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.registry import BUILT_IN, OWN_SCENE
 from grainfit.calibration_file.strategy_section import CALIBRATION_KEYS
 from grainfit.formatting import unit_for_people
@@ -27,10 +30,11 @@ from grainfit.solvers.registry import types_of_test
 from grainfit.strategies.registry import DEFAULT_STRATEGY, strategies
 
 PAGE = Path(__file__).parents[1] / "docs" / "calibration_file.md"
+INSTRUMENTS_PAGE = PAGE.with_name("instruments.md")
 TESTS = {**BUILT_IN, OWN_SCENE.type: OWN_SCENE}
 _NONE = "–"
 _END = "<!-- end of the bulk tests -->"
-_STRATEGY, _SIZES = "[strategy]", "particle sizes"
+_STRATEGY, _SIZES, _INSTRUMENTS = "[strategy]", "particle sizes", "instruments"
 
 
 def updated(page: str) -> str:
@@ -42,6 +46,31 @@ def updated(page: str) -> str:
         page = _with_tables(page, name, _test_tables(types_of_test()[name]))
     page = _with_tables(page, _SIZES, _size_tables())
     return _with_tables(page, _STRATEGY, _strategy_tables())
+
+
+def with_instruments(page: str) -> str:
+    """Return the page with every instrument as its file is now."""
+    parts = (_instrument(read_instrument(name)) for name in instrument_names())
+    return _with_tables(page, _INSTRUMENTS, "\n\n".join(parts))
+
+
+def _instrument(instrument: Instrument) -> str:
+    options = (
+        (f"`{key} = {it.toml}`", re.sub(r"(https://\S+)", r"<\1>", it.source))
+        for key, it in instrument.options.items()
+    )
+    prints = (
+        (printed.name, f"`{printed.response}`" if printed.response else _NONE, printed.remark)
+        for printed in instrument.prints
+    )
+    return "\n\n".join(
+        [
+            f"### `{instrument.name}`: {instrument.title}",
+            f'`type = "{instrument.type}"`. {" ".join(instrument.procedure)}',
+            _table(("dimension", "source"), options),
+            _table(("the report prints", "response", ""), prints),
+        ]
+    )
 
 
 def _marks(name: str) -> tuple[str, str]:
@@ -137,9 +166,10 @@ def _line(cells: tuple[str, ...]) -> str:
 
 
 def main() -> None:
-    """Write the page."""
+    """Write the pages."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    PAGE.write_text(updated(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for page, written in ((PAGE, updated), (INSTRUMENTS_PAGE, with_instruments)):
+        page.write_text(written(page.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

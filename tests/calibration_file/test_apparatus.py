@@ -76,7 +76,7 @@ def test_check_preview_and_report_name_it(tmp_path: Path) -> None:
     assert "Apparatus of heap, given: cylinder radius 70 mm, lift speed 0.04 m/s" in text
     assert "Apparatus of heap, assumed: plate radius 160 mm" in text
     document = json.loads(CliRunner().invoke(app, ["check", str(path), "--json"]).output)
-    radius = {"name": "cylinder_radius", "value": "70 mm", "origin": "given"}
+    radius = {"name": "cylinder_radius", "value": "70 mm", "origin": "given", "instrument": ""}
     assert radius in document["apparatus"]["heap"]
 
     page = tmp_path / "preview.html"

@@ -5,12 +5,13 @@ from __future__ import annotations
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.options.fields import option_keys
 from grainfit.strategies.registry import strategies
-from tools.option_tables import PAGE, updated
+from tools.option_tables import INSTRUMENTS_PAGE, PAGE, updated, with_instruments
 
 
 def test_the_tables_of_the_reference_are_up_to_date() -> None:
-    page = PAGE.read_text(encoding="utf-8")
-    assert updated(page) == page, "run: python tools/option_tables.py"
+    for path, written in ((PAGE, updated), (INSTRUMENTS_PAGE, with_instruments)):
+        page = path.read_text(encoding="utf-8")
+        assert written(page) == page, "run: python tools/option_tables.py"
 
 
 def tables(page: str, name: str) -> str:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.abilities import friction_options, user_functions
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.instrument import Instrument
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.errors import InputError
@@ -18,7 +19,7 @@ from grainfit.materials.walls import PLAIN, on_wall
 from grainfit.options.tables import Key
 from grainfit.scenes.packing import mean_particle_volume
 
-GivenOrAssumed = Literal["given", "assumed"]
+Origin = Literal["given", "instrument", "assumed"]
 
 #: Units of lengths, speeds and stresses, which describe an apparatus; other options are numerical
 #: ones, shares and counts.
@@ -30,6 +31,11 @@ _MEASURED = ("bulk_density_bottom", "bulk_density_top")
 #: Options that give another one.
 _ANOTHER_WAY = {"rotational_speed": "froude_number"}
 _DIGITS = 3
+_LINES = {
+    "given": messages.GIVEN,
+    "instrument": messages.OF_INSTRUMENT,
+    "assumed": messages.ASSUMED,
+}
 
 
 @dataclass(frozen=True)
@@ -42,13 +48,16 @@ class ApparatusValue:
         The option, or ``particles`` for what is filled in.
     value : str
         With its unit.
-    origin : {"given", "assumed"}
-        Whether the calibration file says so, or a default does.
+    origin : {"given", "instrument", "assumed"}
+        Whether the calibration file says so, the instrument that it names, or a default.
+    instrument : str
+        Title of that instrument.
     """
 
     name: str
     value: str
-    origin: GivenOrAssumed
+    origin: Origin
+    instrument: str = ""
 
     def __str__(self) -> str:
         return f"{self.name.replace('_', ' ')} {self.value}"
@@ -59,6 +68,7 @@ def apparatus_of(
     given: Collection[str] | None = None,
     material: Mapping[str, float] | None = None,
     walls: Mapping[str, str] | None = None,
+    instrument: Instrument | None = None,
 ) -> tuple[ApparatusValue, ...]:
     """Return the apparatus of a test; nothing of a scene of the user, whose file describes it.
 
@@ -73,19 +83,22 @@ def apparatus_of(
         Material parameters by dotted name: those that are known.
     walls : mapping of str to str, optional
         Walls with a name, by the parts that are made of them.
+    instrument : Instrument, optional
+        Instrument that gives its options where they are not given.
     """
     if user_functions(test):
         return ()
-    found = _Apparatus(test, given, material or {}, walls or {})
+    found = _Apparatus(test, given, material or {}, walls or {}, instrument)
     return tuple(found.values())
 
 
 def apparatus_lines(test: str, values: Collection[ApparatusValue]) -> Iterator[str]:
-    """Yield an apparatus in two lines: what was given, and what is assumed."""
-    for origin, message in (("given", messages.GIVEN), ("assumed", messages.ASSUMED)):
-        listed = ", ".join(str(value) for value in values if value.origin == origin)
-        if listed:
-            yield message(test=test, values=listed)
+    """Yield an apparatus in a line each: what was given, is the instrument's, and is assumed."""
+    for origin in ("given", "instrument", "assumed"):
+        of_origin = [value for value in values if value.origin == origin]
+        if of_origin:
+            listed, instrument = ", ".join(map(str, of_origin)), of_origin[0].instrument
+            yield _LINES[origin](test=test, values=listed, instrument=instrument)
 
 
 @dataclass(frozen=True)
@@ -94,6 +107,7 @@ class _Apparatus:
     given: Collection[str] | None
     material: Mapping[str, float]
     walls: Mapping[str, str]
+    instrument: Instrument | None
 
     def values(self) -> Iterator[ApparatusValue]:
         values = self.test.resolved_options()
@@ -109,9 +123,13 @@ class _Apparatus:
                 shown = _shown(key, value)
             is_named = frictions.get(key.name) in self.walls
             origin = "given" if is_named else self._origin(key.name, value)
-            yield ApparatusValue(key.name, shown, origin)
+            yield self._value(key.name, shown, origin)
         count = values.get("particle_count")
-        yield ApparatusValue("particles", self._filling(), self._origin("particle_count", count))
+        yield self._value("particles", self._filling(), self._origin("particle_count", count))
+
+    def _value(self, name: str, shown: str, origin: Origin) -> ApparatusValue:
+        title = self.instrument.title if self.instrument and origin == "instrument" else ""
+        return ApparatusValue(name, shown, origin, title)
 
     def _friction(self, option: str, value: Any, part: str) -> str:
         """Return the friction of a part: its own, that of particles or that of a wall."""
@@ -131,10 +149,13 @@ class _Apparatus:
         mass = count * mean_particle_volume(self.test.sizes) * density
         return f"{count}, {number(mass, _DIGITS)} kg"
 
-    def _origin(self, option: str, value: Any) -> GivenOrAssumed:
+    def _origin(self, option: str, value: Any) -> Origin:
         if self.given is not None:
             names = {option, _ANOTHER_WAY.get(option, option)}
-            return "given" if names & set(self.given) else "assumed"
+            if names & set(self.given):
+                return "given"
+            of_instrument = self.instrument.options if self.instrument else {}
+            return "instrument" if names & set(of_instrument) else "assumed"
         return "assumed" if self._is_default(option, value) else "given"
 
     def _is_default(self, option: str, value: Any) -> bool:

@@ -22,3 +22,8 @@ REST_NOT_DESCRIBED = Message(
     "Nothing else of the apparatus of {test} is described, so the rest is assumed: {values}.",
     "Describe that of the laboratory in [[test]], so that the same test is simulated.",
 )
+OF_INSTRUMENT = Message("Apparatus of {test}, as of {instrument}: {values}.")
+NO_INSTRUMENT = Message("is {name!r}, which is no instrument that grainfit knows.", "{nearest}")
+OTHER_TYPE = Message(
+    "is {name!r}, which does another test.", 'Give type = "{type}", or the dimensions by hand.'
+)

@@ -18,9 +18,15 @@ def simulated_apparatus(setup: CalibrationSetup) -> dict[str, tuple[ApparatusVal
         The calibration.
     """
     material = {**setup.file.fixed, **setup.problem.middle}
-    given = {test.name: test.options for test in setup.file.tests}
+    tests = {test.name: test for test in setup.file.tests}
     found = {
-        name: apparatus_of(test, given[name], material, setup.solvers[name].walls)
+        name: apparatus_of(
+            test,
+            tests[name].options if tests[name].given is None else tests[name].given,
+            material,
+            setup.solvers[name].walls,
+            tests[name].instrument,
+        )
         for name, test in setup.bulk_tests.items()
     }
     return {name: values for name, values in found.items() if values}
@@ -31,8 +37,10 @@ def opening_lines(setup: CalibrationSetup) -> Iterator[str]:
     for name, values in simulated_apparatus(setup).items():
         given = [value for value in values if value.origin == "given"]
         assumed = [value for value in values if value.origin == "assumed"]
-        yield from apparatus_lines(name, given)
-        if any("friction" not in value.name for value in given):
+        yield from apparatus_lines(name, [value for value in values if value.origin != "assumed"])
+        if any(value.origin == "instrument" for value in values) or any(
+            "friction" not in value.name for value in given
+        ):
             yield from apparatus_lines(name, assumed)
         else:
             message = messages.REST_NOT_DESCRIBED if given else messages.NEVER_DESCRIBED

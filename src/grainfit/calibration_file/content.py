@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.bulk_tests.instrument import Instrument
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.materials.sizes import ParticleSizes
@@ -45,7 +46,7 @@ class TestSpecification:
     type : str
         One of `grainfit.solvers.registry.types_of_test`.
     options : mapping of str to object
-        Other options of the test, by key; only those given.
+        Other options of the test, by key; only those given, by the file or by the instrument.
     targets : tuple of Target
         Named by response.
     planned : mapping of str to PlannedTarget
@@ -61,6 +62,10 @@ class TestSpecification:
         Position in the file, from 0; the first one of tests that are joined.
     joined : tuple of str
         Names of the tests of the file that are evaluations of this one simulation.
+    instrument : Instrument, optional
+        Apparatus that is given by its name.
+    given : tuple of str, optional
+        Options that the file gives beside an instrument; None without one, where it gives all.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -76,6 +81,8 @@ class TestSpecification:
     repeats: int = 1
     number: int = 0
     joined: tuple[str, ...] = ()
+    instrument: Instrument | None = None
+    given: tuple[str, ...] | None = None
 
     @property
     def responses(self) -> tuple[str, ...]:

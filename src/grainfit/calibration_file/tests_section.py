@@ -21,6 +21,7 @@ from grainfit.calibration_file.curves import (
     OwnTarget,
     RefusedCurve,
 )
+from grainfit.calibration_file.instruments import apparatus_key, with_instrument
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.formatting import in_a_row
 from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong_kind
@@ -45,10 +46,12 @@ _REPEATS = Key(
 def layout_of_test(kind: TestType, *, planned: bool = False) -> Table:
     """Return the layout of a ``[[test]]`` of one type; planned tests need no measured values."""
     targets, example = _targets(kind, planned=planned)
+    apparatus = apparatus_key(kind.name)
     return Table(
         (
             Key("type", Choice((kind.name,)), "Type of the test.", required=True),
             Key("name", Name(), "Its name, when there are several tests; unique."),
+            *filter(None, (apparatus,)),
             *kind.keys,
             Key(
                 "targets",
@@ -182,8 +185,12 @@ class Tests(Kind):
         if chosen is None:
             return None
         layout = layout_of_test(kinds[chosen], planned=self.planned)
-        specification: TestSpecification | None = layout.read(value, place)
-        return specification
+        whole, instrument = with_instrument(value, place)
+        specification: TestSpecification | None = layout.read(whole, place)
+        if specification is None or instrument is None:
+            return specification
+        given = tuple(name for name in specification.options if name in value)
+        return replace(specification, instrument=instrument, given=given)
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the list of tests, those of other packages left out."""

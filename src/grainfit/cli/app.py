@@ -11,6 +11,7 @@ import typer
 
 from grainfit.cli.commands.advise import advise
 from grainfit.cli.commands.analyse import analyse
+from grainfit.cli.commands.apparatus import apparatus
 from grainfit.cli.commands.check import check
 from grainfit.cli.commands.compare import compare
 from grainfit.cli.commands.design import design
@@ -49,6 +50,7 @@ for _command in (
     check,
     preview,
     new,
+    apparatus,
     status,
     result,
     report,

@@ -1,4 +1,4 @@
-"""Completion of arguments in the shell: run identities, parameters, materials."""
+"""Completion of arguments in the shell: run identities, parameters, materials, instruments."""
 
 from __future__ import annotations
 
@@ -52,6 +52,13 @@ def complete_material(incomplete: str) -> list[str]:
     from grainfit.materials.starting_materials import starting_material_names
 
     return [name for name in starting_material_names() if name.startswith(incomplete)]
+
+
+def complete_instrument(incomplete: str) -> list[str]:
+    """Return the instruments that a test can name."""
+    from grainfit.bulk_tests.instrument import instrument_names
+
+    return [name for name in instrument_names() if name.startswith(incomplete)]
 
 
 def _parameters(document: dict[str, Any]) -> Iterator[str]:

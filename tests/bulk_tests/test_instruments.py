@@ -1,0 +1,115 @@
+"""Instruments by name: their files, and what naming one does to a test."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.bulk_tests import messages
+from grainfit.bulk_tests.instrument import instrument_names, read_instrument
+from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration_file.apparatus import opening_lines, simulated_apparatus
+from grainfit.calibration_file.starter import starter_file
+from grainfit.cli.app import app
+from grainfit.errors import InputError
+from grainfit.units import to_unit
+
+FEW = 8.0
+
+
+def named(folder: Path, apparatus: str, *lines: str, test: str = "drum") -> Path:
+    """Write a calibration file with an instrument and other lines in its test."""
+    text = starter_file([test]).replace('diameter = "10 mm"', 'diameter = "2 mm"')
+    line = f'type = "{test}"'
+    text = text.replace(line, "\n".join([line, f'apparatus = "{apparatus}" #', *lines, "#"]), 1)
+    path = folder / "calibration.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", instrument_names())
+def test_every_file_describes_a_test_that_can_be_simulated(name: str) -> None:
+    instrument = read_instrument(name)
+    test = BUILT_IN[instrument.type]
+    keys = {key.name: key for key in test.option_keys()}
+    lengths = [to_unit(value, "m") for key, value in instrument.values.items() if is_length(key)]
+    made = test(diameter=min(lengths) / FEW, **instrument.values)
+
+    assert {*instrument.options} <= {*keys}
+    assert made.number_of_particles > 0
+    assert instrument.title
+    assert all(instrument.procedure)
+    for printed in instrument.prints:
+        assert printed.response in {"", *test.responses, *test.curves}
+        assert printed.response or printed.remark
+
+
+def is_length(option: str) -> bool:
+    return option.endswith(("radius", "diameter", "length", "width"))
+
+
+@pytest.mark.parametrize("name", instrument_names())
+def test_every_dimension_has_a_public_source(name: str) -> None:
+    instrument = read_instrument(name)
+    sources = [dimension.source for dimension in instrument.options.values()]
+    assert all(len(source) > 10 for source in sources)
+    assert any("http" in source for source in sources)
+
+
+def test_naming_an_instrument_or_writing_its_numbers_is_the_same_run(tmp_path: Path) -> None:
+    by_name = gf.load(named(tmp_path, "GranuDrum"))
+    instrument = read_instrument("granudrum")
+    written = [f"{key} = {it.toml}" for key, it in instrument.options.items()]
+    text = named(tmp_path, "", *written).read_text().replace('apparatus = "" #', "")
+    (tmp_path / "by_hand.toml").write_text(text)
+    by_hand = gf.load(tmp_path / "by_hand.toml")
+    values = by_name.problem.from_unit([0.5] * by_name.problem.dimension)
+
+    assert "42 mm" in text
+    runs = [one.solvers["drum"].definition(values, 1).identity for one in (by_name, by_hand)]
+    assert runs[0] == runs[1]
+
+
+def test_options_beside_an_instrument_override_it_and_each_value_has_its_origin(
+    tmp_path: Path,
+) -> None:
+    setup = gf.load(named(tmp_path, "granudrum", 'drum_length = "15 mm"'))
+    values = {value.name: value for value in simulated_apparatus(setup)["drum"]}
+
+    assert setup.bulk_tests["drum"].resolved_options()["drum_length"] == pytest.approx(0.015)
+    assert (values["drum_length"].value, values["drum_length"].origin) == ("15 mm", "given")
+    assert (values["drum_radius"].value, values["drum_radius"].origin) == ("42 mm", "instrument")
+    assert values["fill_level"].origin == "assumed"
+    lines = [*opening_lines(setup)]
+    assert any(messages.OF_INSTRUMENT.is_in(line) and "drum radius 42 mm" in line for line in lines)
+    assert not any(messages.NEVER_DESCRIBED.is_in(line) for line in lines)
+
+
+def test_unknown_names_are_answered_with_the_nearest(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        gf.load(named(tmp_path, "granudrun"))
+    [fault] = caught.value.faults
+    assert messages.NO_INSTRUMENT.is_in(str(fault))
+    assert 'Did you mean "granudrum"?' in str(fault)
+
+    with pytest.raises(InputError) as caught:
+        gf.load(named(tmp_path, "iso 60"))
+    [fault] = caught.value.faults
+    assert messages.OTHER_TYPE.is_in(str(fault))
+    assert 'type = "packing"' in str(fault)
+
+
+def test_the_command_lists_instruments_and_shows_one_with_its_sources() -> None:
+    listed = CliRunner().invoke(app, ["apparatus"])
+    shown = CliRunner().invoke(app, ["apparatus", "GranuDrum"])
+    missing = CliRunner().invoke(app, ["apparatus", "granudrun"])
+
+    assert all(name in listed.output for name in instrument_names())
+    for dimension in read_instrument("granudrum").options.values():
+        assert dimension.source in " ".join(shown.output.split())
+    assert "surface_angle" in shown.output
+    assert missing.exit_code == 1
+    assert messages.NO_INSTRUMENT.is_in(str(missing.exception))
