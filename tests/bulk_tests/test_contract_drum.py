@@ -18,6 +18,7 @@ class TestDrum(BulkTestContract):
         "fill_level": 0.35,
         "rotational_speed": 2.5,
         "froude_number": 0.06,
+        "end_caps": True,
         "lining": False,
         "discarded_turns": 0.3,
         "averaged_turns": 1.1,

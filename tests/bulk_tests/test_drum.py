@@ -179,6 +179,34 @@ def test_a_bed_that_lost_particles_or_was_recorded_too_rarely_is_refused() -> No
         TurningBed.of([frame(n, 5) for n in range(3)], SETUP, 1e-3)
 
 
+def test_a_drum_with_end_caps_ends_there_and_a_slice_is_the_run_that_it_was() -> None:
+    sizes = ParticleSizes((0.008, 0.010), (0.4, 0.6))
+    drum = Drum(sizes, drum_length="50 mm", end_caps=True)
+    column = drum.column(3)
+    x, radii = column.positions[:, 0], np.array(sizes.diameters)[column.size_indices] / 2
+    scene = drum.scene(ROUGH_SPHERES, 3)
+
+    assert (x > radii).all()
+    assert (x < 0.05 - radii).all()
+    assert scene.box.periodic == ""
+    assert set(scene.stages[0].motions) == {"drum", "cap", "other_cap", "lining"}
+    assert "end_caps" not in Drum(diameter="10 mm", end_caps=False).definition()
+    assert Drum.from_definition(drum.definition()) == Drum(
+        sizes, **{key: drum.definition()[key] for key in drum.given_options()}
+    )
+
+
+def test_end_caps_carry_the_bed_up(tmp_path: Path) -> None:
+    angles = {}
+    for end_caps in (False, True):
+        workspace = Workspace(tmp_path / str(end_caps), 300)
+        workspace.folder.mkdir()
+        drum = short(end_caps=end_caps)
+        run = Lammps(drum, ROUGH_SPHERES).simulate(drum.scene(ROUGH_SPHERES, 1), workspace)
+        angles[end_caps] = drum.view(run).angles.bed.inclinations.mean()
+    assert 2.0 < angles[True] - angles[False] < 8.0
+
+
 def short(**options: object) -> Drum:
     """Return a drum of a second or two."""
     given: dict = {"drum_length": "4 cm", "froude_number": 0.05, "averaged_turns": 0.5}

@@ -72,6 +72,19 @@ COMMANDS, FUNCTIONS = (
 )
 
 
+GLASS_WALL = """
+[wall.glass]
+youngs_modulus = "50 GPa"
+poissons_ratio = 0.2
+density = "2500 kg/m^3"
+[particle_wall.glass]
+sliding_friction = 0.3
+rolling_friction = 0.05
+restitution = 0.8
+rolling_damping = 0
+"""
+
+
 def changed(*changes: tuple[str, str], text: str = BEADS) -> str:
     for old, new in changes:
         assert text.count(old) == 1, old
@@ -147,6 +160,12 @@ CASES = {
         "warning",
         starter_file(["drum"]).replace('type = "drum"', 'type = "drum"\nfroude_number = 0.05'),
         "froude_number",
+    ),
+    "no-end-caps": (
+        "warning",
+        starter_file(["drum"]).replace('type = "drum"', 'type = "drum"\nwalls = { caps = "glass" }')
+        + GLASS_WALL,
+        "[[test]]",
     ),
     "fast-shear": ("note", starter_file(["shear"]), "[[test]]"),
     "unusual-value": (

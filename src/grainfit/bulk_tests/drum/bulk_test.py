@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
+from grainfit.bulk_tests.drum.end_caps import no_end_caps
 from grainfit.bulk_tests.drum.rolling_regime import fast_drum
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
@@ -34,11 +35,13 @@ from grainfit.scenes.packing import Column, random_in_tube
 from grainfit.scenes.records import Frames
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Rotation, Scene, Stage, Wall, natural_speed, natural_time
-from grainfit.scenes.shapes import Cylinder
+from grainfit.scenes.shapes import Cylinder, Plane
 
 #: Frames of a run, its picture, and its last frame for ParaView.
 _FRAMES, _PICTURE, _VTK = "turning", "drum.png", "drum.vtk"
 _TURNS = Quantity("", above_zero=True, highest=1e3)
+#: End caps, at the two ends of the axis.
+_CAPS = ("cap", "other_cap")
 _INCLINATION = "The surface of a bed does not overhang."
 
 
@@ -48,9 +51,9 @@ class Drum(BulkTest):
 
     Particles fall into a lying drum that turns at a constant speed. After some turns, the
     inclination of the bed and its free surface are averaged over whole avalanches. The drum is a
-    slice: its length is periodic, without end walls. It is lined with particles of the material
-    that are sunk into the wall by half, so that the bed does not slide in it; a smooth drum is
-    allowed, and fails where the bed slides.
+    slice: its length is periodic, without end walls, unless it has end caps. It is lined with
+    particles of the material that are sunk into the wall by half, so that the bed does not slide
+    in it; a smooth drum is allowed, and fails where the bed slides.
 
     Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
     particles allow; the speed follows d by Froude's law. The options are the fields below, as in
@@ -67,8 +70,8 @@ class Drum(BulkTest):
     type: ClassVar[str] = "drum"
     title: ClassVar[str] = "rotating"
     vessel: ClassVar[str] = "drum_radius"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_drum,)
-    parts: ClassVar[Parts] = {"drum": ("drum",)}
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_drum, no_end_caps)
+    parts: ClassVar[Parts] = {"drum": ("drum",), "caps": _CAPS}
     shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "dynamic_angle": ResponseInfo(
@@ -157,9 +160,18 @@ class Drum(BulkTest):
     )
     drum_length: Amount | None = option(
         LENGTH,
-        "Length of the simulated slice; it repeats without end, so that there are no end walls.",
+        "Length of the simulated slice, which repeats without end; or of the whole drum, between "
+        "its end caps.",
         example='"60 mm"',
         default=Derived("6 d", lambda s: s.usual_length),
+    )
+    end_caps: bool = option(
+        Flag(),
+        "The drum ends at flat caps that turn with it, as real ones do, instead of repeating: "
+        "their friction carries the bed up, the more the shorter the drum is.",
+        example="true",
+        default=False,
+        default_text="false",
     )
     fill_level: Amount = option(
         Quantity("", lowest=0.1, highest=0.6),
@@ -207,6 +219,21 @@ class Drum(BulkTest):
         """Return the value of every option; the speed is recorded, however it was given."""
         return {**super().resolved_options(), "froude_number": None}
 
+    def definition(self) -> dict[str, Any]:
+        """Return everything in the test that affects a run's outcome, as JSON.
+
+        Runs of a slice are those from before there were end caps.
+        """
+        definition = super().definition()
+        if not definition["end_caps"]:
+            del definition["end_caps"]
+        return definition
+
+    @classmethod
+    def from_definition(cls, definition: Mapping[str, Any]) -> Self:
+        """Rebuild the test from the definition in the record of a run."""
+        return super().from_definition({"end_caps": False, **definition})
+
     def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
         """Return the places within the drum."""
         radius = self.setup.drum_radius
@@ -215,20 +242,34 @@ class Drum(BulkTest):
     def column(self, seed: int) -> Column:
         """Return the particles at the beginning: all over the drum."""
         setup = self.setup
-        radius, length = setup.clear_radius, setup.drum_length
-        return random_in_tube(self.sizes, setup.particle_count, radius, length, seed)
+        radius, length = setup.clear_radius, setup.clear_length
+        column = random_in_tube(self.sizes, setup.particle_count, radius, length, seed)
+        if not self.end_caps:
+            return column
+        # Packed as if it repeated, it is clear of both caps in their middle.
+        shift = ((setup.drum_length - length) / 2, 0.0, 0.0)
+        return replace(column, positions=column.positions + shift)
 
     def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
         """Return the experiment: the particles fall into a drum that turns."""
         setup = self.setup
-        side = setup.drum_radius + 1.5 * self.setup.largest
+        side = setup.drum_radius + 1.5 * setup.largest
+        margin = 1.5 * setup.largest if self.end_caps else 0.0
+        low, high = 0.0 - margin, setup.drum_length + margin
         return Scene(
             title="Rotating drum",
             material=material,
             sizes=self.sizes,
             particles=column,
-            box=Box((0.0, -side, -side), (setup.drum_length, side, side), periodic="x"),
-            walls={"drum": Wall(Cylinder(setup.drum_radius, 0.0, setup.drum_length, "x"))},
+            box=Box(
+                (low, -side, -side),
+                (high, side, side),
+                periodic="" if self.end_caps else "x",
+            ),
+            walls={
+                "drum": Wall(Cylinder(setup.drum_radius, low, high, "x")),
+                **self._caps(),
+            },
             glued=self._lining(),
             stages=self._stages(),
             gravity=setup.gravity,
@@ -236,6 +277,13 @@ class Drum(BulkTest):
             quiet_speed=natural_speed(self.sizes, setup.gravity),
             check_interval=natural_time(self.sizes, setup.gravity),
         )
+
+    def _caps(self) -> dict[str, Wall]:
+        """Return the end caps; none of a slice."""
+        if not self.end_caps:
+            return {}
+        ends = (Plane("x", 0.0), Plane("x", self.setup.drum_length, upwards=False))
+        return dict(zip(_CAPS, map(Wall, ends), strict=True))
 
     def _lining(self) -> dict[str, Glued]:
         """Return the particles that line the drum; none in a smooth one."""
@@ -247,7 +295,7 @@ class Drum(BulkTest):
     def _stages(self) -> tuple[Stage, ...]:
         setup = self.setup
         turn = Rotation("x", setup.rotational_speed)
-        turning = dict.fromkeys(("drum", *self._lining()), turn)
+        turning = dict.fromkeys(("drum", *self._caps(), *self._lining()), turn)
         return (
             Stage(
                 "start",

@@ -10,8 +10,8 @@ DRUM_IS_NARROW = Message(
     "Use at least {least:g} m.",
 )
 DRUM_IS_SHORT = Message(
-    "a length of {drum_length:g} m repeats after less than {fewest:g} of the largest "
-    "particles ({largest:g} m).",
+    "a length of {drum_length:g} m is less than {fewest:g} of the largest particles "
+    "({largest:g} m).",
     "Use at least {length:g} m.",
 )
 SPEED_GIVEN_TWICE = Message(
@@ -31,4 +31,8 @@ FAST_DRUM = Message(
 NO_ROOM = Message(
     "{fill_level:g} leaves no room to place {particle_count} particles at random.",
     "Use at most {highest:g}, or a larger drum.",
+)
+NO_END_CAPS = Message(
+    "the caps are of {wall}, and the drum has none: it repeats along its axis.",
+    "Give end_caps = true, or leave caps out of walls.",
 )

@@ -33,6 +33,8 @@ _SOLID_FRACTION, _LARGEST_FRACTION = 0.58, 0.45
 _LINING_SPACING = 2.0
 #: Snapshots in one turn.
 _FRAMES = 120
+#: Room between the caps that particles at the beginning leave, in the largest diameters.
+_CLEAR_OF_CAPS = 1.02
 _ROUNDING = 1e-9
 
 
@@ -102,6 +104,12 @@ class DrumSetup(Setup):
         """Radius within the lining, m."""
         return self.drum_radius - self.lining_diameter / 2
 
+    @property
+    def clear_length(self) -> float:
+        """Length in which the centres of particles have room at the beginning, m."""
+        ends = _CLEAR_OF_CAPS * max(self.sizes.outer_diameters) if self.end_caps else 0.0
+        return float(self.drum_length) - ends
+
     def lining_places(self) -> NDArray[np.float64]:
         """Return the centres of the particles of the lining, half sunk into the wall, m.
 
@@ -168,7 +176,7 @@ class DrumSetup(Setup):
 
     def _room_faults(self) -> Iterator[Fault]:
         """Particles begin at places all over the drum, none touching another."""
-        room = math.pi * (self.clear_radius - self.largest / 4) ** 2 * self.drum_length
+        room = math.pi * (self.clear_radius - self.largest / 4) ** 2 * self.clear_length
         fraction = self.particle_count * mean_particle_volume(self.sizes) / room
         if fraction > _LARGEST_FRACTION:
             highest = math.floor(100 * self.fill_level * _LARGEST_FRACTION / fraction) / 100
