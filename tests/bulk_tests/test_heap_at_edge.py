@@ -11,7 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
-from grainfit.bulk_tests.heap import Heap, messages
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.shared import messages
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.starter import starter_file
 from grainfit.campaign.absent_responses import absences

@@ -149,7 +149,7 @@ def test_a_plate_that_is_not_given_is_noted_below_a_heap_that_spreads_on_it(note
     rolling = ("plate_rolling_friction =", "# ")
 
     def found(*changes: tuple[str, str]) -> list[str]:
-        return [n for n in notes("heap", *changes) if of_heap.ASSUMED_PLATE.is_in(n)]
+        return [n for n in notes("heap", *changes) if shared.ASSUMED_PLATE.is_in(n)]
 
     assert not found()
     assert "that of the walls, 0.27" in found(sliding)[0]

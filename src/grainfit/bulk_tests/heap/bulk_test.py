@@ -2,56 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
-from grainfit.bulk_tests.heap import messages
 from grainfit.bulk_tests.heap.lift import fast_lift
-from grainfit.bulk_tests.heap.plate import assumed_plate, small_plate, smooth_plate
 from grainfit.bulk_tests.heap.setup import HeapSetup
-from grainfit.bulk_tests.heap.view import HeapView
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING, Sensitivities
+from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import LENGTH, settling_option
 from grainfit.bulk_tests.shared.part_friction import (
     AS_PARTICLES,
     friction_of_part,
-    friction_option,
 )
-from grainfit.bulk_tests.shared.responses import BULK_DENSITY
+from grainfit.bulk_tests.shared.plate import (
+    PLATE,
+    ROUGH_PLATE,
+    assumed_plate,
+    plate_friction,
+    plate_walls,
+    rim_option,
+    small_plate,
+    smooth_plate,
+    views_option,
+)
+from grainfit.bulk_tests.shared.responses import BULK_DENSITY, heap_profile, heap_responses
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Measured
-from grainfit.measurement.angle_of_repose import (
-    AngleOfRepose,
-    angle_of_repose,
-    heap_silhouettes,
-    on_plate,
-)
 from grainfit.measurement.bulk_density import bulk_density
 from grainfit.measurement.clinging import clinging
-from grainfit.measurement.heap_picture import draw_heap
-from grainfit.measurement.heap_size import base_radius, heap_height, heap_profile, reaches_edge
-from grainfit.measurement.messages import NO_HEAP
 from grainfit.measurement.particles import Particles, write_vtk
-from grainfit.measurement.silhouette import Silhouette
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity, Whole
 from grainfit.scenes.conditions import AtRest, Clear
 from grainfit.scenes.packing import Column, Footprint, Round
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import SCENES_REVISION, WALL, Box, Scene, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Cylinder, Disc
+from grainfit.scenes.scene import SCENES_REVISION, Box, Scene, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Cylinder
 
 #: Part of the identity of runs: the hash of the hand-written decks of version 0.1.0, which are the
 #: same simulation as those of today's scene.
@@ -75,13 +72,6 @@ _AT_EDGE = (
     "the heap reaches the edge of the plate: use a larger plate_radius, or, if the plate of the "
     "laboratory is rough, plate_sliding_friction and plate_rolling_friction"
 )
-#: Remark of a first calibration file on the friction of the plate.
-_STARTER = "rough; by default that of the walls, off which heaps slide"
-#: Surface of plate and rim, when it is another one than that of the walls.
-_PLATE = "plate"
-#: Sliding friction of a rough plate.
-_ROUGH = 0.5
-_LENGTH_OR_ZERO = Quantity("m", lowest=0.0, highest=1e3)
 
 
 @dataclass(frozen=True)
@@ -125,58 +115,31 @@ class Heap(BulkTest):
     shown: ClassVar[Shown] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
-        "angle_of_repose": ResponseInfo(
-            "deg",
-            "α",
-            "angle of repose: inclination of the heap's flanks",
-            '{ value = "22 deg", uncertainty = "0.5 deg" }',
-            # Scatter: 20 seeds on each of three solvers (`benchmarks/data/solver_agreement.jsonl`).
-            Sensitivities({SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}, 0.039),
-            highest=90.0,
-            why="A flank is not steeper than a wall.",
-            absent=_AT_EDGE,
-        ),
-        # A cone of given volume: r^3 tan(angle) is constant.
-        "base_radius": ResponseInfo(
-            "m",
-            "r",
-            "base radius: half the width of the heap, one particle diameter above the plate or at "
-            "the height of its rim",
-            '{ value = "130 mm", uncertainty = "2 mm" }',
-            Sensitivities(
-                {SLIDING: -0.09, ROLLING: -0.21},
-                {SLIDING: -0.16, ROLLING: -0.11},
-                0.01,
-                larger=(0.65, 1.31),
-            ),
-            absent=_AT_EDGE,
-        ),
-        "heap_height": ResponseInfo(
-            "m",
-            "h",
-            "heap height: highest point of the heap above the plate",
-            '{ value = "53 mm", uncertainty = "1 mm" }',
-            Sensitivities(
-                {SLIDING: 0.17, ROLLING: 0.42},
-                {SLIDING: 0.33, ROLLING: 0.21},
-                0.032,
-                larger=(0.56, 1.12),
-            ),
-            absent=_AT_EDGE,
+        **heap_responses(
+            _AT_EDGE,
+            {
+                # Scatter: 20 seeds on each of three solvers
+                # (`benchmarks/data/solver_agreement.jsonl`).
+                "angle_of_repose": Sensitivities(
+                    {SLIDING: 0.24, ROLLING: 0.57}, {SLIDING: 0.45, ROLLING: 0.29}, 0.039
+                ),
+                # A cone of given volume: r^3 tan(angle) is constant.
+                "base_radius": Sensitivities(
+                    {SLIDING: -0.09, ROLLING: -0.21},
+                    {SLIDING: -0.16, ROLLING: -0.11},
+                    0.01,
+                    larger=(0.65, 1.31),
+                ),
+                "heap_height": Sensitivities(
+                    {SLIDING: 0.17, ROLLING: 0.42},
+                    {SLIDING: 0.33, ROLLING: 0.21},
+                    0.032,
+                    larger=(0.56, 1.12),
+                ),
+            },
         ),
     }
-
-    curves: ClassVar[Mapping[str, CurveInfo]] = {
-        "profile": CurveInfo(
-            "m",
-            "z",
-            "height over radius: height of the heap's outline, averaged over both sides of all "
-            "silhouettes",
-            "radius",
-            "m",
-            absent=_AT_EDGE,
-        ),
-    }
+    curves: ClassVar[Mapping[str, CurveInfo]] = {"profile": heap_profile(_AT_EDGE)}
 
     particle_count: int | None = option(
         Whole(1),
@@ -196,13 +159,7 @@ class Heap(BulkTest):
         example='"160 mm"',
         default=Derived("16 d", lambda s: 16 * s.d),
     )
-    rim_height: Amount = option(
-        _LENGTH_OR_ZERO,
-        "Height of a rim around the plate.",
-        example='"10 mm"',
-        default=0.0,
-        default_text="0, a free edge",
-    )
+    rim_height: Amount = rim_option()
     strike_off_height: Amount | None = option(
         LENGTH,
         "Particles with their centre above are removed before the lift.",
@@ -238,24 +195,10 @@ class Heap(BulkTest):
             "10 d, in beds above 40 d half of the strike-off height", lambda s: s.usual_lift_height
         ),
     )
-    plate_sliding_friction: Amount | None = friction_option(
-        "Sliding", "plate", "plate.", "0.5", starter=_STARTER, recorded="apart"
-    )
-    plate_rolling_friction: Amount | None = friction_option(
-        "Rolling",
-        "plate",
-        "plate. On a smooth plate heaps slide and roll apart, beyond its edge.",
-        f'"{AS_PARTICLES}"',
-        starter="rough; by default that of the walls",
-        recorded="apart",
-    )
+    plate_sliding_friction: Amount | None = plate_friction("Sliding")
+    plate_rolling_friction: Amount | None = plate_friction("Rolling")
     settling_time_limit: Amount | None = settling_option("the bed and the heap")
-    views: int = option(
-        Whole(1, 360),
-        "Number of silhouettes on which the heap is measured.",
-        example="12",
-        default=12,
-    )
+    views: int = views_option()
 
     @cached_property
     def setup(self) -> HeapSetup:
@@ -299,7 +242,7 @@ class Heap(BulkTest):
     @classmethod
     def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:  # noqa: ARG003
         """Return a rough plate, on which all materials make heaps."""
-        return {"plate_sliding_friction": _ROUGH, "plate_rolling_friction": AS_PARTICLES}
+        return dict(ROUGH_PLATE)
 
     @property
     def ground(self) -> float:
@@ -323,26 +266,22 @@ class Heap(BulkTest):
         ceiling = top + setup.lift_height + 2 * largest
         cylinder = Cylinder(setup.cylinder_radius, setup.cylinder_gap, top)
         rough = friction_of_part(material, self.plate_sliding_friction, self.plate_rolling_friction)
-        surface = _PLATE if rough else WALL
-        walls = {
-            "cylinder": Wall(cylinder),
-            "plate": Wall(Disc(setup.plate_radius, 0.0), surface),
-        }
-        if setup.rim_height > 0:
-            walls["rim"] = Wall(Cylinder(setup.plate_radius, 0.0, setup.rim_height), surface)
         return Scene(
             title="Heap test with a lifted cylinder",
             material=material,
             sizes=self.sizes,
             particles=column,
             box=Box((-side, -side, -3 * largest), (side, side, ceiling)),
-            walls=walls,
+            walls={
+                "cylinder": Wall(cylinder),
+                **plate_walls(setup.plate_radius, setup.rim_height, bool(rough)),
+            },
             stages=self._stages(),
             gravity=setup.gravity,
             time_step=self.time_step(material),
             quiet_speed=setup.filling.quiet_speed,
             check_interval=setup.filling.check_interval,
-            surfaces={_PLATE: rough} if rough else {},
+            surfaces={PLATE: rough} if rough else {},
         )
 
     def _stages(self) -> tuple[Stage, ...]:
@@ -378,28 +317,16 @@ class Heap(BulkTest):
         require_separate(bed)
         end = run.snapshot(_HEAP)
         write_vtk(run.folder / "heap.vtk", end)
-        setup = self.setup
-        plate = setup.plate_radius
+        setup, picture = self.setup, run.folder / _PICTURE
         try:
-            heap = self._without_clinging(end)
+            heap = self._heap(self._without_clinging(end))
         except NotMeasurableError as error:
-            draw_heap(run.folder / _PICTURE, end, plate, self.ground, str(error))
+            self._heap(end).picture(picture, str(error))
             raise
-        silhouettes = heap_silhouettes(on_plate(heap, plate), plate, self.views)
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        if reaches_edge(silhouettes, self.ground, heap.diameter, plate):
-            draw_heap(run.folder / _PICTURE, heap, plate, self.ground, _AT_EDGE)
-            return {"bulk_density": density}
-        angle = self._measure_angle(heap, silhouettes, run.folder / _PICTURE)
-        return {
-            "bulk_density": density,
-            "angle_of_repose": angle.response,
-            "base_radius": base_radius(silhouettes, self.ground, heap.diameter),
-            "heap_height": heap_height(silhouettes, heap.diameter),
-            "profile": heap_profile(silhouettes, heap.diameter, plate),
-        }
+        return {"bulk_density": density, **heap.measure(picture, _AT_EDGE)}
 
     @property
     def number_of_particles(self) -> int:
@@ -416,11 +343,11 @@ class Heap(BulkTest):
 
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""
-        plate = self.setup.plate_radius
-        heap = on_plate(self._without_clinging(run.snapshot(_HEAP)), plate)
-        if not len(heap):
-            raise NotMeasurableError("no particles are left on the plate")
-        return HeapView(heap, plate, self.setup.rim_height, self.ground, self.views)
+        return self._heap(self._without_clinging(run.snapshot(_HEAP)))
+
+    def _heap(self, end: Particles) -> HeapView:
+        setup = self.setup
+        return HeapView(end, setup.plate_radius, setup.rim_height, self.ground, self.views)
 
     def _without_clinging(self, end: Particles) -> Particles:
         """Return the particles without those that hang on the lifted cylinder.
@@ -439,17 +366,3 @@ class Heap(BulkTest):
                 "cohesion on walls."
             )
         return end.select(~hanging)
-
-    def _measure_angle(
-        self, heap: Particles, silhouettes: Sequence[Silhouette], picture: Path
-    ) -> AngleOfRepose:
-        plate = self.setup.plate_radius
-        try:
-            angle = angle_of_repose(heap, self.ground, plate, self.views, silhouettes)
-        except NotMeasurableError as error:
-            draw_heap(picture, heap, plate, self.ground, str(error))
-            if NO_HEAP.is_in(str(error)):
-                raise NotMeasurableError(messages.NO_HEAP_ON_PLATE(reason=error)) from None
-            raise
-        draw_heap(picture, heap, plate, self.ground, angle)
-        return angle

@@ -24,24 +24,8 @@ LIFT_IS_SHORT = Message(
     "{lift_height:g} m leaves the cylinder in the heap.",
     "Use about the strike-off height, {strike_off_height:g} m.",
 )
-SMOOTH_PLATE = Message(
-    "the {kind} friction of the plate is {value:g} ({key}). Below {least:g} heaps slide or roll "
-    "apart, and runs may fail.",
-    "If the plate of the laboratory is rough, give {option}.",
-)
-NO_HEAP_ON_PLATE = Message(
-    "{reason} On a smooth plate heaps slide apart.",
-    "If the plate of the laboratory is rough, give plate_sliding_friction and "
-    "plate_rolling_friction.",
-)
 FAST_LIFT = Message(
     "a lift_speed of {lift_speed:g} m/s is {speed:.2g} sqrt(g d). Above {fastest:g} the column "
     "collapses rather than flows out, and the angle is several degrees lower.",
     "Keep it only if the laboratory lifts as fast; the default is {usual:.3g} m/s.",
-)
-ASSUMED_PLATE = Message(
-    "the {kind} friction of the plate is not given, so it is that of the walls, {value:.3g}. Heaps "
-    "spread on it: beads of 21.6 degrees on a rough plate had 17.6 at a sliding friction of 0.27, "
-    "13.7 at a rolling friction of 0.05, and 10.8 with both.",
-    "If the plate of the laboratory is rougher, give {option}.",
 )

@@ -81,22 +81,10 @@ class HeapSetup(Setup):
             check_interval=0.05 * time,
         )
 
-    def expected_foot(self, angle: float, diameter: float) -> float:
-        """Return about the base radius of the heap of this test, m.
-
-        Half a diameter above its base, a cone of the volume of the bed is as wide as the heap, up
-        to half a diameter: heaps of glass beads and of rough spheres of 18 to 23 degrees.
-
-        Parameters
-        ----------
-        angle : float
-            Angle of repose, degrees.
-        diameter : float
-            Of the particles, m.
-        """
-        slope = math.tan(math.radians(angle))
-        base = math.pow(3 * self.cylinder_radius**2 * self.strike_off_height / slope, 1 / 3)
-        return base - diameter / 2 / slope
+    @property
+    def heap_volume(self) -> float:
+        """Bulk volume of the heap, m^3: that of the bed that is struck off."""
+        return float(math.pi * self.cylinder_radius**2 * self.strike_off_height)
 
     def fault_stages(self) -> Iterator[list[Fault]]:
         """Iterate over what is impossible: the filled cylinder, then everything about it."""

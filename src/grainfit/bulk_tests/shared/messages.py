@@ -74,3 +74,24 @@ NARROW_CYLINDER = Message(
     "and arches hold it: beads in one of 3 were 3 % lighter, and a heap of them 4 degrees flatter.",
     "Use {option} = {usual} or more if that of the laboratory is as wide.",
 )
+SMOOTH_PLATE = Message(
+    "the {kind} friction of the plate is {value:g} ({key}). Below {least:g} heaps slide or roll "
+    "apart, and runs may fail.",
+    "If the plate of the laboratory is rough, give {option}.",
+)
+NO_HEAP_ON_PLATE = Message(
+    "{reason} On a smooth plate heaps slide apart.",
+    "If the plate of the laboratory is rough, give plate_sliding_friction and "
+    "plate_rolling_friction.",
+)
+ASSUMED_PLATE = Message(
+    "the {kind} friction of the plate is not given, so it is that of the walls, {value:.3g}. Heaps "
+    "spread on it: beads of 21.6 degrees on a rough plate had 17.6 at a sliding friction of 0.27, "
+    "13.7 at a rolling friction of 0.05, and 10.8 with both.",
+    "If the plate of the laboratory is rougher, give {option}.",
+)
+SMALL_PLATE = Message(
+    "the plate of {plate} radius is too small for {needed}: the measured heap has a base radius of "
+    "about {radius}, and a run whose heap reaches the edge fails.",
+    'Use plate_radius = "{least}" or more.',
+)

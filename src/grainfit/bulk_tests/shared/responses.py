@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from grainfit.bulk_tests.response_info import ResponseInfo
+from collections.abc import Mapping
+
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 
 #: Of a bed that is poured into an upright cylinder.
@@ -18,3 +20,65 @@ BULK_DENSITY = ResponseInfo(
         larger=(0.048, 0.078),
     ),
 )
+
+
+def heap_responses(
+    absent: str, sensitivities: Mapping[str, Sensitivities]
+) -> dict[str, ResponseInfo]:
+    """Return the responses of a heap on a plate.
+
+    Parameters
+    ----------
+    absent : str
+        Why a valid run may be without them.
+    sensitivities : mapping of str to Sensitivities
+        By response, where they were measured.
+    """
+    return {
+        "angle_of_repose": ResponseInfo(
+            "deg",
+            "α",
+            "angle of repose: inclination of the heap's flanks",
+            '{ value = "22 deg", uncertainty = "0.5 deg" }',
+            sensitivities.get("angle_of_repose"),
+            highest=90.0,
+            why="A flank is not steeper than a wall.",
+            absent=absent,
+        ),
+        "base_radius": ResponseInfo(
+            "m",
+            "r",
+            "base radius: half the width of the heap, one particle diameter above the plate or at "
+            "the height of its rim",
+            '{ value = "130 mm", uncertainty = "2 mm" }',
+            sensitivities.get("base_radius"),
+            absent=absent,
+        ),
+        "heap_height": ResponseInfo(
+            "m",
+            "h",
+            "heap height: highest point of the heap above the plate",
+            '{ value = "53 mm", uncertainty = "1 mm" }',
+            sensitivities.get("heap_height"),
+            absent=absent,
+        ),
+    }
+
+
+def heap_profile(absent: str) -> CurveInfo:
+    """Return the outline of a heap on a plate as a curve.
+
+    Parameters
+    ----------
+    absent : str
+        Why a valid run may be without it.
+    """
+    return CurveInfo(
+        "m",
+        "z",
+        "height over radius: height of the heap's outline, averaged over both sides of all "
+        "silhouettes",
+        "radius",
+        "m",
+        absent=absent,
+    )
