@@ -317,6 +317,17 @@ def millimetres(length: float) -> str:
     return f"{number(1000 * length, 3)} mm"
 
 
+def cubic_centimetres(volume: float) -> str:
+    """Return a volume, given in m^3, with three digits in cubic centimetres.
+
+    Examples
+    --------
+    >>> cubic_centimetres(0.00135)
+    '1350 cm³'
+    """
+    return f"{number(1e6 * volume, 3)} cm³"
+
+
 def turns_per_minute(speed: float) -> str:
     """Return a rotational speed, given in rad/s, with three digits in turns a minute.
 

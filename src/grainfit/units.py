@@ -52,6 +52,7 @@ _EXAMPLES = {
     "s": "10 min",
     "deg": "22 deg",
     "rad/s": "10 rpm",
+    "m^3": "150 cm^3",
 }
 
 

@@ -150,6 +150,13 @@ CASES = {
         "cylinder_radius = ",
     ),
     "fast-lift": ("warning", heap('lift_speed = "0.2 m/s"'), "lift_speed = "),
+    "funnel-in-heap": (
+        "warning",
+        starter_file(["funnel"]).replace(
+            'type = "funnel"', 'type = "funnel"\nfunnel_height = "40 mm"\nraise_speed = 0'
+        ),
+        "funnel_height",
+    ),
     "flow-depth": ("warning", f"{BEADS}\n{DISCHARGE}", "targets.mass_flow = "),
     "unusual-flow": (
         "warning",

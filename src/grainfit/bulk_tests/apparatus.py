@@ -14,7 +14,15 @@ from grainfit.bulk_tests.instrument import Instrument
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.errors import InputError
-from grainfit.formatting import kilopascals, millimetres, number, plain, turns_per_minute, with_unit
+from grainfit.formatting import (
+    cubic_centimetres,
+    kilopascals,
+    millimetres,
+    number,
+    plain,
+    turns_per_minute,
+    with_unit,
+)
 from grainfit.materials.walls import PLAIN, on_wall
 from grainfit.options.tables import Key
 from grainfit.scenes.packing import mean_particle_volume
@@ -23,9 +31,9 @@ Origin = Literal["given", "instrument", "assumed"]
 
 #: Units of lengths, speeds and stresses, which describe an apparatus; other options are numerical
 #: ones, shares and counts.
-_UNITS = ("m", "m/s", "rad/s", "Pa")
+_UNITS = ("m", "m^3", "m/s", "rad/s", "deg", "Pa")
 #: Options without such a unit that a laboratory knows, too.
-_OTHERS = ("orifice", "lining", "fill_level", "inertial_number")
+_OTHERS = ("orifice", "base", "lining", "fill_level", "inertial_number")
 #: Heights between which a density is measured are no part of an apparatus.
 _MEASURED = ("bulk_density_bottom", "bulk_density_top")
 #: Options that give another one.
@@ -188,6 +196,8 @@ def _shown(key: Key, value: Any) -> str:
         return plain(str(value))
     if unit == "m":
         return millimetres(float(value))
+    if unit == "m^3":
+        return cubic_centimetres(float(value))
     if unit == "rad/s":
         return turns_per_minute(float(value))
     if unit == "Pa":

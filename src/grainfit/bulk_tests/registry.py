@@ -17,6 +17,7 @@ from grainfit.bulk_tests.compression import Compression as Compression
 from grainfit.bulk_tests.discharge import Discharge as Discharge
 from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
 from grainfit.bulk_tests.drum import Drum as Drum
+from grainfit.bulk_tests.funnel import Funnel as Funnel
 from grainfit.bulk_tests.heap import Heap as Heap
 from grainfit.bulk_tests.packing import Packing as Packing
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo

@@ -6,10 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping
 
 _SCENE = 'type = "scene" simulates an experiment of your own'
-_POURED = (
-    'The nearest is type = "heap", a cylinder that is lifted: a poured heap has another angle. '
-    f"{_SCENE}, funnel included."
-)
+_POURED = 'type = "funnel" is a poured heap.'
 _VESSEL = f'The nearest is type = "discharge", a flat-bottomed container. {_SCENE}, from STL files.'
 _SHEAR = 'The nearest is type = "shear": plane shear under a normal stress, in steady flow.'
 _TRIAXIAL = (
@@ -20,7 +17,7 @@ _DROP = f'type = "command" or "python" takes your own model; {_SCENE}.'
 
 #: Sentences by names of tests, lower case with underscores.
 OTHER_TESTS: Mapping[str, str] = {
-    **dict.fromkeys(("funnel", "poured_heap", "poured_angle", "pouring", "pile"), _POURED),
+    **dict.fromkeys(("poured_heap", "poured_angle", "pouring", "pile"), _POURED),
     **dict.fromkeys(("hopper", "silo", "bin", "bucket", "wedge", "hall_flowmeter"), _VESSEL),
     **dict.fromkeys(
         ("shear_cell", "shear_tester", "ring_shear", "jenike", "direct_shear", "shear_box"), _SHEAR

@@ -177,7 +177,8 @@ class BulkTestContract:
             if isinstance(key.kind, Quantity) and key.kind.unit and key.name in self.others:
                 other = self.with_option(bulk_test, key.name, self.others[key.name])
                 number = getattr(other, key.name)
-                written = f"{1000 * number!r} m{key.kind.unit}"
+                power = 3 if key.kind.unit == "m^3" else 1
+                written = f"{1000**power * number!r} m{key.kind.unit}"
                 same = self.with_option(bulk_test, key.name, written)
 
                 assert getattr(same, key.name) == pytest.approx(number, rel=1e-12), key.name

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from grainfit.bulk_tests.apparatus import apparatus_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.sensitivities import LARGER
 from grainfit.calibration.runs_to_come import recorded_scatters
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
-from grainfit.formatting import millimetres, number
+from grainfit.formatting import number
 
 
 @check("assumed-size", "warning")
@@ -21,7 +22,7 @@ def assumed_size(context: FileContext) -> Iterator[Found]:
         if test.vessel and test.vessel not in given[name]:
             moved = "; ".join(_moved(context, name, test))
             if moved:
-                size = millimetres(test.resolved_options()[test.vessel])
+                size = next(v.value for v in apparatus_of(test) if v.name == test.vessel)
                 yield (
                     context.key(name, test.vessel),
                     messages.ASSUMED_SIZE(

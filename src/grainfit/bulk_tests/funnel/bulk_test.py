@@ -1,0 +1,353 @@
+"""The funnel test: a heap is poured out of a funnel, on a plate or on a disc."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from grainfit.bulk_tests.abilities import CurveRange
+from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.funnel import messages
+from grainfit.bulk_tests.funnel.reaches_funnel import funnel_in_heap
+from grainfit.bulk_tests.funnel.setup import DISC, PLATE, FunnelSetup
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
+from grainfit.bulk_tests.shared.heap_view import HeapView
+from grainfit.bulk_tests.shared.options import LENGTH, TIME
+from grainfit.bulk_tests.shared.orifice import narrow_orifice
+from grainfit.bulk_tests.shared.part_friction import friction_of_part
+from grainfit.bulk_tests.shared.plate import (
+    PLATE as PLATE_SURFACE,
+)
+from grainfit.bulk_tests.shared.plate import (
+    ROUGH_PLATE,
+    assumed_plate,
+    plate_friction,
+    plate_walls,
+    rim_option,
+    small_plate,
+    smooth_plate,
+    views_option,
+)
+from grainfit.bulk_tests.shared.responses import heap_profile, heap_responses
+from grainfit.bulk_tests.shared.validity import arch, require_separate
+from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
+from grainfit.errors import Fault, NotMeasurableError, RunFailedError
+from grainfit.evaluation import Measured
+from grainfit.materials.particle_shape import ASPECT_RATIO
+from grainfit.measurement.particles import Particles, write_vtk
+from grainfit.options.fields import Amount, Derived, option
+from grainfit.options.kinds import Choice, Quantity
+from grainfit.scenes.conditions import AtRest
+from grainfit.scenes.packing import Column, Footprint, Round
+from grainfit.scenes.run_output import RunOutput, snapshot_file
+from grainfit.scenes.scene import Box, Scene, Stage, Velocity, Wall
+from grainfit.scenes.shapes import Cone, Cylinder, Disc
+
+_BED, _HEAP, _PICTURE = "bed", "heap", "funnel.png"
+#: Stage in which the funnel is open.
+_POUR = "pour"
+#: Why a heap has no shape of its own.
+_AT_EDGE = (
+    "the heap reaches the edge of the plate: use a larger plate_radius, or, if the plate of the "
+    "laboratory is rough, plate_sliding_friction and plate_rolling_friction"
+)
+#: Distance between apex and outlet at which particles still leave the funnel, in diameters.
+_CLEARANCE = 1.5
+#: Largest share of the particles that may stay in an open funnel.
+_LARGEST_REST = 0.02
+#: Smallest base radius of a heap that covers its disc, over that of the disc less a diameter.
+_COVERED = 0.97
+
+
+@dataclass(frozen=True)
+class Funnel(BulkTest):
+    """Poured heap: angle of repose and size of a heap below a funnel.
+
+    Particles rain into a closed funnel: a cone, with a tube above it and, if given, a stem below.
+    Once they are at rest the outlet is opened, and they fall on a plate. The outlet stays at its
+    height, or the funnel is raised while the heap grows. The heap lies free on a wide plate, or it
+    covers a small disc, off which the surplus falls (fixed base). Once it is at rest it is
+    measured on silhouettes, as that of the heap test is.
+
+    Defaults follow the Sauter diameter d of the particles; times follow d by Froude's law. The
+    options are the fields below, as in the calibration file.
+
+    Examples
+    --------
+    >>> Funnel(diameter="10 mm").setup.outlet_diameter
+    0.06
+    >>> Funnel(diameter="10 mm", base="disc", plate_radius="80 mm").number_of_particles
+    644
+    """
+
+    type: ClassVar[str] = "funnel"
+    title: ClassVar[str] = "poured heap"
+    vessel: ClassVar[str] = "poured_volume"
+    parts: ClassVar[Parts] = {
+        "funnel": ("cone", "tube", "stem", "door"),
+        "plate": ("plate", "rim"),
+    }
+    shown: ClassVar[Shown] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+        narrow_orifice(lambda test: test.setup.outlet),
+        funnel_in_heap,
+        small_plate,
+        smooth_plate,
+        assumed_plate,
+    )
+    worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
+    responses: ClassVar[Mapping[str, ResponseInfo]] = heap_responses(_AT_EDGE, {})
+    curves: ClassVar[Mapping[str, CurveInfo]] = {"profile": heap_profile(_AT_EDGE)}
+
+    poured_volume: Amount | None = option(
+        Quantity("m^3", above_zero=True),
+        "Bulk volume that is poured, at a solid fraction of 0.58; it gives the number of "
+        "particles. It is the poured mass over the bulk density.",
+        example='"1350 cm^3"',
+        default=Derived(
+            "1350 d^3; on a disc that is given, 1.3 times a cone of 40 degrees",
+            lambda s: s.usual_volume,
+        ),
+    )
+    outlet_diameter: Amount | None = option(
+        LENGTH,
+        "Inner diameter of the outlet, and of the stem.",
+        example='"50 mm"',
+        default=Derived("5 d", lambda s: s.usual_outlet),
+    )
+    funnel_height: Amount | None = option(
+        LENGTH,
+        "Height of the outlet above the plate, at the beginning. Particles that fall far flatten "
+        "the heap: use the height of the laboratory.",
+        example='"75 mm"',
+        default=Derived(
+            "4 d; of a funnel that is not raised, 2 d above a heap of 40 degrees",
+            lambda s: s.usual_height,
+        ),
+    )
+    raise_speed: Amount | None = option(
+        Quantity("m/s", lowest=0.0),
+        "Speed at which the funnel is raised from when it is opened; 0 if it stands still.",
+        example='"5 mm/s"',
+        default=Derived(
+            "so that the outlet ends 2 d above a heap of 40 degrees; 0 if it begins there",
+            lambda s: s.usual_raise,
+        ),
+    )
+    half_angle: Amount = option(
+        Quantity("deg", lowest=5.0, highest=80.0),
+        "Inclination of the funnel's wall from the vertical.",
+        example='"30 deg"',
+        default=30.0,
+    )
+    funnel_radius: Amount | None = option(
+        LENGTH,
+        "Inner radius of the funnel above its cone.",
+        example='"80 mm"',
+        default=Derived("cone and a little of the tube are full", lambda s: s.usual_radius),
+    )
+    stem_length: Amount = option(
+        Quantity("m", lowest=0.0, highest=1e3),
+        "Length of a stem below the cone.",
+        example='"10 mm"',
+        default=0.0,
+        default_text="0, none",
+    )
+    base: str = option(
+        Choice((PLATE, DISC)),
+        "What the heap lies on: a plate on which it ends free, or a disc that it covers, off which "
+        "the surplus falls.",
+        example=f'"{DISC}"',
+        default=PLATE,
+        default_text=f'`"{PLATE}"`',
+    )
+    plate_radius: Amount | None = option(
+        LENGTH,
+        "Radius of plate or disc.",
+        example='"200 mm"',
+        default=Derived(
+            "2 d more than a heap of 12 degrees has; of a disc, the one that 77 % of the volume "
+            "covers at 40 degrees",
+            lambda s: s.usual_plate,
+        ),
+    )
+    rim_height: Amount = rim_option()
+    plate_sliding_friction: Amount | None = plate_friction("Sliding")
+    plate_rolling_friction: Amount | None = plate_friction("Rolling")
+    settling_time_limit: Amount | None = option(
+        TIME,
+        "Longest simulated time in which the bed, and after the flow the heap, may come to rest.",
+        example='"8 s"',
+        default=Derived("four times the expected time of the flow", lambda s: s.usual_limit),
+    )
+    views: int = views_option()
+
+    @cached_property
+    def setup(self) -> FunnelSetup:
+        """Geometry and procedure, with every default resolved."""
+        return FunnelSetup(self)
+
+    @classmethod
+    def options_for(cls, material: Mapping[str, float]) -> dict[str, Amount]:  # noqa: ARG003
+        """Return a rough plate, on which all materials make heaps."""
+        return dict(ROUGH_PLATE)
+
+    def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
+        """Iterate over why enlarged particles would arch over the outlet."""
+        return self.setup.outlet.coarse_graining_faults(self._sizes_of(material))
+
+    def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
+        """Return the distances from the axis: beyond the heap, its height is 0."""
+        return CurveRange(low=0.0)
+
+    @property
+    def ground(self) -> float:
+        """Height from which flanks and base of the heap are measured, m; see `angle_of_repose`."""
+        return max(float(self.rim_height), self.sizes.sauter_diameter)
+
+    @property
+    def footprint(self) -> Footprint:
+        """Cross-section of the funnel above its cone."""
+        return Round(float(self.setup.funnel_radius))
+
+    def scene_of(self, column: Column, material: Mapping[str, float]) -> Scene:
+        """Return the experiment: a column falls into a funnel, which is opened."""
+        setup, largest = self.setup, self.setup.largest
+        above = np.array([0.0, 0.0, setup.cone_top])
+        top = setup.cone_top + column.height + 1.25 * largest
+        side = max(setup.plate_radius, setup.funnel_radius) + 1.5 * largest
+        ceiling = top + setup.highest_raise + 2 * largest
+        rough = friction_of_part(material, self.plate_sliding_friction, self.plate_rolling_friction)
+        return Scene(
+            title="Funnel test: a poured heap",
+            material=material,
+            sizes=self.sizes,
+            particles=replace(column, positions=column.positions + above),
+            box=Box((-side, -side, -3 * largest), (side, side, ceiling)),
+            walls={
+                **self._funnel(top),
+                **plate_walls(setup.plate_radius, setup.rim_height, bool(rough)),
+            },
+            stages=self._stages(),
+            gravity=float(self.gravity),
+            time_step=self.time_step(material),
+            quiet_speed=setup.filling.quiet_speed,
+            check_interval=setup.filling.check_interval,
+            surfaces={PLATE_SURFACE: rough} if rough else {},
+        )
+
+    def _funnel(self, top: float) -> dict[str, Wall]:
+        """Return the walls of the funnel, whose tube ends at a height, m."""
+        setup = self.setup
+        outlet, bottom = setup.outlet_diameter / 2, setup.cone_bottom
+        walls = {
+            "cone": Wall(Cone(outlet, setup.funnel_radius, bottom, setup.cone_top)),
+            "tube": Wall(Cylinder(setup.funnel_radius, setup.cone_top, top)),
+        }
+        if setup.stem_length > 0:
+            walls["stem"] = Wall(Cylinder(outlet, setup.funnel_height, bottom))
+        return {**walls, "door": Wall(Disc(outlet, setup.funnel_height))}
+
+    def _stages(self) -> tuple[Stage, ...]:
+        setup, speed = self.setup, float(self.setup.raise_speed)
+        moving = {"cone", "tube", "stem"} - (set() if setup.stem_length > 0 else {"stem"})
+        limit = setup.shortest_flow + setup.settling_time_limit
+        return (
+            setup.filling.stage(setup.settling_time_limit, _BED),
+            Stage(
+                _POUR,
+                AtRest(limit, at_least=setup.shortest_flow),
+                "the outlet is opened; until the heap is at rest",
+                take_away=("door",),
+                motions={n: Velocity("z", speed) for n in sorted(moving)} if speed > 0 else {},
+                snapshot=_HEAP,
+            ),
+        )
+
+    def measure(self, run: RunOutput) -> dict[str, Measured]:
+        """Measure the heap; leave a picture and a VTK file of it.
+
+        A heap that reaches the edge of a plate is shaped by it and has no responses; one that is to
+        cover a disc must do so.
+
+        Raises
+        ------
+        RunFailedError
+            The simulation did not end as a poured heap requires: a bed did not come to rest,
+            particles broke out or overlap grossly, the outlet is blocked, the heap has grown into
+            the funnel or does not cover its disc.
+        NotMeasurableError
+            A response has no value, with the reason.
+        """
+        run.require_complete([stage.name for stage in self._stages()], "funnel")
+        require_separate(run.snapshot(_BED))
+        end = run.snapshot(_HEAP)
+        write_vtk(run.folder / "heap.vtk", end)
+        view = self.view(run)
+        picture = run.folder / _PICTURE
+        try:
+            self._require_empty(end, self._outlet_height(run))
+            measured = view.measure(picture, "" if self.setup.is_disc else _AT_EDGE)
+        except (NotMeasurableError, RunFailedError) as error:
+            if isinstance(error, RunFailedError):
+                view.picture(picture, str(error))
+            raise
+        if self.setup.is_disc:
+            self._require_covered(view)
+        return measured
+
+    def _outlet_height(self, run: RunOutput) -> float:
+        """Height of the outlet at the end, m."""
+        poured = run.stages[-1].time - run.stages[-2].time
+        return float(self.setup.funnel_height + self.setup.raise_speed * poured)
+
+    def _require_empty(self, end: Particles, outlet: float) -> None:
+        """Raise `RunFailedError` if the flow did not end by itself."""
+        diameter = self.sizes.sauter_diameter
+        above = end.positions[:, 2] > outlet
+        rest = float(end.masses[above].sum() / end.masses.sum()) if len(end) else 0.0
+        across = np.hypot(end.positions[:, 0], end.positions[:, 1])
+        held = end.select(above & (across < self.setup.outlet_diameter / 4))
+        if rest <= _LARGEST_REST and not arch(held, "outlet"):
+            return
+        below = end.positions[~above]
+        inside = below[across[~above] < self.setup.outlet_diameter / 2]
+        apex = float(inside[:, 2].max(initial=0.0)) + diameter / 2
+        if apex > outlet - _CLEARANCE * diameter:
+            raise RunFailedError(
+                messages.HEAP_AT_FUNNEL(apex=apex / diameter, outlet=outlet / diameter)
+            )
+        found = arch(held, "outlet") or "the material rests on the wall of the funnel"
+        raise RunFailedError(messages.STILL_IN_FUNNEL(arch=found, percent=100 * rest))
+
+    def _require_covered(self, view: HeapView) -> None:
+        """Raise `RunFailedError` if a heap does not cover its disc."""
+        if view.is_at_edge:
+            return
+        diameter = self.sizes.sauter_diameter
+        feet = np.hypot(view.particles.positions[:, 0], view.particles.positions[:, 1])
+        base = float(np.quantile(feet, _COVERED))
+        raise RunFailedError(
+            messages.NOT_COVERED(base=base / diameter, disc=self.setup.plate_radius / diameter)
+        )
+
+    @property
+    def number_of_particles(self) -> int:
+        """Number of particles rained in."""
+        return self.setup.filling.particle_count
+
+    def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
+        """Estimate the simulated time of a run, s."""
+        return 1.25 * self.setup.filling.fill_time + self.setup.pour_time
+
+    def view(self, run: RunOutput) -> HeapView:
+        """Read the heap of a run, to be drawn."""
+        setup, end = self.setup, run.snapshot(_HEAP)
+        below = end.select(end.positions[:, 2] < self._outlet_height(run))
+        return HeapView(below, setup.plate_radius, setup.rim_height, self.ground, self.views)
