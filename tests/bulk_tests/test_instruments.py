@@ -36,7 +36,7 @@ def test_every_file_describes_a_test_that_can_be_simulated(name: str) -> None:
     test = BUILT_IN[instrument.type]
     keys = {key.name: key for key in test.option_keys()}
     lengths = [to_unit(value, "m") for key, value in instrument.values.items() if is_length(key)]
-    made = test(diameter=min(lengths) / FEW, **instrument.values)
+    made = test(diameter=min(lengths, default=0.08) / FEW, **instrument.values)
 
     assert {*instrument.options} <= {*keys}
     assert made.number_of_particles > 0

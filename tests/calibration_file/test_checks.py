@@ -168,6 +168,7 @@ CASES = {
         starter_file(["drum"]).replace('type = "drum"', 'type = "drum"\nfroude_number = 0.05'),
         "froude_number",
     ),
+    "few-taps": ("warning", starter_file(["tapped"]), "[[test]]"),
     "no-end-caps": (
         "warning",
         starter_file(["drum"]).replace('type = "drum"', 'type = "drum"\nwalls = { caps = "glass" }')

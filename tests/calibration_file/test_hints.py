@@ -162,6 +162,11 @@ def test_another_program_is_used_by_command_or_table(name: str, tmp_path: Path) 
     assert 'type = "table"' in found
 
 
+def test_an_inclined_plane_needs_no_simulation(tmp_path: Path) -> None:
+    found = message(tmp_path, 'type = "heap"', 'type = "inclined_plane"')
+    assert 'sliding_friction = { measured_angle = "22 deg" }' in found
+
+
 def test_doors_that_are_named_are_there() -> None:
     for sentence in {*OTHER_TESTS.values(), instead_of_program("edem", ["lammps"])}:
         named = re.findall(r'"(\w+)"', sentence)

@@ -33,6 +33,7 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
     ("drum", ""): (1, 1, "f8c26efa526d5f0c"),
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
+    ("tapped", ""): (1, 1, "271d275fba2c76ca"),
 }
 #: Revision of clumps, and of some of them time step, s, outer and smallest radius, and moments of
 #: inertia over their mass, at a diameter of 1.
@@ -40,8 +41,17 @@ CLUMPS: dict[tuple[str, float], tuple[int, str]] = {
     ("grain", 1.1): (2, "9.176e-05 0.5333 0.4408 0.09384 0.1037 0.1037"),
     ("two_spheres", 1.5): (2, "0.000207 0.63 0.42 0.07496 0.1301 0.1301"),
 }
-#: Revision, and decks of YADE: a mixture in every test with its defaults.
-YADE_DECKS = (1, "69e11c5143821f4d")
+#: Decks of YADE: a mixture in every test that it has, with its defaults.
+YADE_DECKS = {
+    "compression": (1, "f2125e389da77d3d"),
+    "discharge": (1, "1ec054f0acf0fca0"),
+    "draw_down": (1, "a58c078724fc0f18"),
+    "drum": (1, "41aeb0bff972f2da"),
+    "heap": (1, "7590e801e9ff0995"),
+    "packing": (1, "879ba9220532dbe3"),
+    "shear": (1, "f0e52e2341489d15"),
+    "tapped": (1, "0568a69bd9e3199f"),
+}
 #: Revision, height of the column and place of the first particle, m.
 COLUMN = (1, 0.0684905716, (-0.0441319384, -0.0035668218, 0.0367854215))
 CHANGED = "have changed: raise SCENES_REVISION in scenes/scene.py, and pin the new values here"
@@ -96,15 +106,21 @@ def test_clumps_are_those_of_their_revision(family: str, aspect_ratio: float) ->
     )
 
 
-def test_yade_decks_are_those_of_their_revision(tmp_path: Path) -> None:
-    digest = hashlib.sha256()
-    tests = [k(MIXTURE, **(ROUGH_PLATE if k is Heap else {})) for k in BUILT_IN.values()]
-    for test in (t for t in tests if not concepts(t) & set(DEM_PROGRAMS["yade"].missing)):
-        deck = write_deck(test, tmp_path / test.type, "yade", GLASS_BEADS, seed=1)
-        for path in sorted(deck.parent.glob("*.*")):
-            digest.update(path.read_bytes())
+def with_yade() -> list[str]:
+    """Return the tests that YADE has."""
+    tests = (kind(MIXTURE) for kind in BUILT_IN.values())
+    missing = set(DEM_PROGRAMS["yade"].missing)
+    return [test.type for test in tests if not concepts(test) & missing]
 
-    assert (SCENES_REVISION, digest.hexdigest()[:16]) == YADE_DECKS, f"decks {CHANGED}"
+
+@pytest.mark.parametrize("name", with_yade())
+def test_yade_decks_are_those_of_their_revision(tmp_path: Path, name: str) -> None:
+    digest = hashlib.sha256()
+    test = BUILT_IN[name](MIXTURE, **(ROUGH_PLATE if name == "heap" else {}))
+    for path in sorted(write_deck(test, tmp_path, "yade", GLASS_BEADS, seed=1).parent.glob("*.*")):
+        digest.update(path.read_bytes())
+
+    assert (SCENES_REVISION, digest.hexdigest()[:16]) == YADE_DECKS[name], f"decks {CHANGED}"
 
 
 def test_decks_of_every_built_in_test_are_pinned() -> None:

@@ -13,6 +13,11 @@ _TRIAXIAL = (
     'The nearest are type = "compression" and "shear". type = "command" takes your own deck of '
     f"it; {_SCENE}."
 )
+_INCLINED = (
+    "No simulation is needed: write the angle at which the bulk solid begins to slide on the wall "
+    'below [particle_wall], as sliding_friction = { measured_angle = "22 deg" }. '
+    f"{_SCENE}."
+)
 _DROP = f'type = "command" or "python" takes your own model; {_SCENE}.'
 
 #: Sentences by names of tests, lower case with underscores.
@@ -35,9 +40,14 @@ OTHER_TESTS: Mapping[str, str] = {
         'type = "compression" is uniaxial compression in a cylinder.',
     ),
     **dict.fromkeys(
-        ("bulk_density", "tapped_density", "pycnometer"),
-        'type = "packing" has the bulk density of a poured bed; there is no test with taps.',
+        ("bulk_density", "pycnometer"),
+        'type = "packing" has the bulk density of a poured bed.',
     ),
+    **dict.fromkeys(
+        ("tapped_density", "tap_density", "hausner_ratio", "tap"),
+        'type = "tapped" is a poured container that is tapped.',
+    ),
+    **dict.fromkeys(("inclined_plane", "tilting_table", "wall_friction"), _INCLINED),
 }
 _PROGRAM = (
     'grainfit starts {known}. Another program with a command line: type = "command", with a folder '

@@ -27,16 +27,18 @@ from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
-from grainfit.evaluation import Response
+from grainfit.evaluation import Measured, Response
 from grainfit.measurement.bulk_density import bulk_density
-from grainfit.measurement.particles import write_vtk
+from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.scenes.packing import Column, Footprint, Round
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Scene, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
 
-_BED, _PICTURE = "bed", "packing.png"
+#: Snapshot of the poured bed.
+BED = "bed"
+_PICTURE = "packing.png"
 #: The bed is at rest soon after the shortest fill stage.
 _FILL_SHARE = 1.25
 #: Height that every settled bed reaches, over the height that it was planned with at a solid
@@ -106,7 +108,7 @@ class Packing(BulkTest):
     title: ClassVar[str] = "poured container"
     vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}
-    shown: ClassVar[Shown] = Shown("bed", "bulk_density", snapshot_file(_BED), _PICTURE)
+    shown: ClassVar[Shown] = Shown("bed", "bulk_density", snapshot_file(BED), _PICTURE)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 
     cylinder_radius: Amount | None = option(
@@ -159,22 +161,20 @@ class Packing(BulkTest):
                 "container": Wall(Cylinder(setup.cylinder_radius, 0.0, top)),
                 "floor": Wall(Disc(side - largest / 2, 0.0)),
             },
-            stages=(filling.stage(setup.settling_time_limit, _BED),),
+            stages=(filling.stage(setup.settling_time_limit, BED),),
             gravity=float(self.gravity),
             time_step=self.time_step(material),
             quiet_speed=filling.quiet_speed,
             check_interval=filling.check_interval,
         )
 
-    def measure(self, run: RunOutput) -> dict[str, Response]:
+    def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure the bulk density; leave a picture and a VTK file of the bed."""
         run.require_complete(["fill"], "container")
         view, setup = self.view(run), self.setup
-        require_separate(view.particles)
         write_vtk(run.folder / "packing.vtk", view.particles)
-        low, high = setup.bulk_density_bottom, setup.bulk_density_top
         try:
-            density = bulk_density(view.particles, setup.cylinder_radius, low, high)
+            density = self.density_of(view.particles)
         except NotMeasurableError as error:
             view.draw(run.folder / _PICTURE, "Bulk density: not measurable", str(error))
             raise
@@ -182,6 +182,25 @@ class Packing(BulkTest):
         heights = f"± standard error; {setup.measured_heights}; the half behind the axis is shown"
         view.draw(run.folder / _PICTURE, title, heights)
         return {"bulk_density": density}
+
+    def density_of(self, bed: Particles) -> Response:
+        """Measure the bulk density of a bed between the heights of the test.
+
+        Raises
+        ------
+        RunFailedError
+            Particles overlap grossly.
+        NotMeasurableError
+            The bed is lower than the height up to which it is measured.
+        """
+        require_separate(bed)
+        low, high = self.setup.bulk_density_bottom, self.setup.bulk_density_top
+        return bulk_density(bed, self.setup.cylinder_radius, low, high)
+
+    @property
+    def bed_shown(self) -> str:
+        """Snapshot of the bed that is shown."""
+        return BED
 
     @property
     def number_of_particles(self) -> int:
@@ -194,7 +213,7 @@ class Packing(BulkTest):
 
     def view(self, run: RunOutput) -> PotView:
         """Read the bed of a run, to be drawn."""
-        bed = run.snapshot(_BED)
+        bed = run.snapshot(self.bed_shown)
         if not len(bed):
             raise NotMeasurableError("no particles are left in the container")
         words = f"mass over volume {self.setup.measured_heights}"
