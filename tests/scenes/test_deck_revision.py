@@ -32,6 +32,7 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("discharge", "round"): (1, 1, "4f9adc92f3ea3306"),
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
     ("drum", ""): (1, 1, "f8c26efa526d5f0c"),
+    ("funnel", ""): (1, 1, "97afec6bf8d9d20a"),
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
     ("tapped", ""): (1, 1, "271d275fba2c76ca"),
 }
@@ -47,6 +48,7 @@ YADE_DECKS = {
     "discharge": (1, "1ec054f0acf0fca0"),
     "draw_down": (1, "a58c078724fc0f18"),
     "drum": (1, "41aeb0bff972f2da"),
+    "funnel": (1, "7e14927997cfa7d2"),
     "heap": (1, "7590e801e9ff0995"),
     "packing": (1, "879ba9220532dbe3"),
     "shear": (1, "f0e52e2341489d15"),
