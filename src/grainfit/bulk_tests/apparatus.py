@@ -31,7 +31,7 @@ Origin = Literal["given", "instrument", "assumed"]
 
 #: Units of lengths, speeds and stresses, which describe an apparatus; other options are numerical
 #: ones, shares and counts.
-_UNITS = ("m", "m^3", "m/s", "rad/s", "deg", "Pa")
+_UNITS = ("m", "m^3", "kg", "m/s", "rad/s", "deg", "Pa")
 #: Options without such a unit that a laboratory knows, too.
 _OTHERS = ("orifice", "base", "lining", "fill_level", "inertial_number")
 #: Heights between which a density is measured are no part of an apparatus.
@@ -150,7 +150,7 @@ class _Apparatus:
         return words if known is None else f"{words}, {number(known, _DIGITS)}"
 
     def _filling(self) -> str:
-        count = self.test.number_of_particles
+        count = self.test.of_material(self.material).number_of_particles
         density = self.material.get(DENSITY)
         if density is None:
             return str(count)

@@ -203,8 +203,8 @@ class BulkTest(OneLine, ABC):
         """Return the time step of a run with this material, s."""
         return time_step(self._sizes_of(material), material, float(self.time_step_fraction))
 
-    def _of_shape(self, material: Mapping[str, float]) -> Self:
-        """Return the test with particles of the aspect ratio of a material; spheres stay so."""
+    def of_material(self, material: Mapping[str, float]) -> Self:
+        """Return the test with what a material decides: the aspect ratio of its particles."""
         sizes = self._sizes_of(material)
         return self if sizes == self.sizes else self.with_sizes(sizes)
 
@@ -231,7 +231,7 @@ class BulkTest(OneLine, ABC):
         seed : int
             Insertion seed.
         """
-        test = self._of_shape(material)
+        test = self.of_material(material)
         return test.scene_of(test.column(seed), material)
 
     def column(self, seed: int) -> Column:

@@ -19,6 +19,7 @@ from grainfit.bulk_tests.draw_down import DrawDown as DrawDown
 from grainfit.bulk_tests.drum import Drum as Drum
 from grainfit.bulk_tests.funnel import Funnel as Funnel
 from grainfit.bulk_tests.heap import Heap as Heap
+from grainfit.bulk_tests.hopper import Hopper as Hopper
 from grainfit.bulk_tests.packing import Packing as Packing
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shear import Shear as Shear

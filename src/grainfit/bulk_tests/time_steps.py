@@ -95,7 +95,8 @@ def _largest_stress(test: BulkTest, material: Mapping[str, float]) -> float:
     """Stress at the bottom of a test, without friction at walls, Pa."""
     diameter = test.sizes.sauter_diameter
     try:
-        volume = test.number_of_particles * mean_particle_volume(test.sizes)
+        count = test.of_material(material).number_of_particles
+        volume = count * mean_particle_volume(test.sizes)
         height = volume / test.footprint.area
     except NotImplementedError:
         height = _USUAL_LAYERS * diameter

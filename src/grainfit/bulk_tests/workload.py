@@ -53,7 +53,7 @@ def workload(test: BulkTest, material: Mapping[str, float]) -> Workload:
     return Workload(
         time_step=step,
         steps=math.ceil(test.simulated_time(material) / step),
-        particles=test.number_of_particles,
+        particles=test.of_material(material).number_of_particles,
         spheres=1 if clump is None else len(clump),
         time_step_fraction=float(test.time_step_fraction),
     )

@@ -23,7 +23,6 @@ from grainfit.bulk_tests.shared.options import (
     TIME,
 )
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
-from grainfit.bulk_tests.shared.slot_box import SlotBox
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.view import Shown
@@ -32,7 +31,7 @@ from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Measured, Response
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.measurement.bulk_density import bulk_density, bulk_density_in_box
-from grainfit.measurement.flow_rate import discharged_mass
+from grainfit.measurement.flow_rate import FlowRate, discharged_mass
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Choice
@@ -40,7 +39,7 @@ from grainfit.scenes.packing import Column, Footprint
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Box, Scene, Stage
 
-_PICTURE, _VTK = "discharge.png", "discharge.vtk"
+_PICTURE = "discharge.png"
 #: Height that particles fall below the orifice before they are gone, in diameters.
 _SINK = 4.0
 
@@ -187,14 +186,14 @@ class Discharge(BulkTest):
         """Return the experiment: a column falls, the orifice is opened, the bed flows out."""
         setup, largest = self.setup, self.setup.largest
         container, filling = setup.container, setup.filling
-        top = column.height + 1.25 * largest
-        side, bottom = setup.half_width + 1.5 * largest, -_SINK * largest
-        if isinstance(container, SlotBox):
-            box = Box((-side, 0.0, bottom), (side, container.depth, top), periodic="y")
+        top = max(column.height, container.slope_top) + 1.25 * largest
+        side, bottom = setup.half_box + 1.5 * largest, -_SINK * largest
+        if container.period is not None:
+            box = Box((-side, 0.0, bottom), (side, container.period, top), periodic="y")
         else:
             box = Box((-side, -side, bottom), (side, side, top))
         return Scene(
-            title="Discharge of a flat-bottomed container",
+            title=f"Discharge of a {self.title}",
             material=material,
             sizes=self.sizes,
             particles=column,
@@ -223,29 +222,40 @@ class Discharge(BulkTest):
             A response has no value, with the reason.
         """
         run.require_complete([stage.name for stage in self._stages()], "container")
-        bed, end = run.snapshot(BED), run.snapshot(END)
+        bed = run.snapshot(BED)
         require_separate(bed)
-        view = self._view(run, end)
-        write_vtk(run.folder / _VTK, end)
+        view = self.view(run)
+        write_vtk(run.folder / f"{self.type}.vtk", view.end)
+        picture = run.folder / self.shown.picture
         try:
             flow = view.flow()
-            density = self._bulk_density(bed)
+            others = self._beside_flow(bed, view, flow)
         except NotMeasurableError as error:
-            view.picture(run.folder / _PICTURE, str(error))
+            view.picture(picture, str(error))
             raise
-        view.picture(run.folder / _PICTURE, (flow, density))
-        return {
-            "mass_flow": flow.response,
-            "bulk_density": density,
-            "discharged_mass": discharged_mass(view.time, view.mass),
-        }
+        known = (
+            f"{self.responses[name].description.partition(':')[0]} {_rounded(response)} "
+            f"{self.responses[name].unit}"
+            for name, response in others.items()
+        )
+        view.picture(picture, flow, f"{', '.join(known)} (± standard error)")
+        curve = discharged_mass(view.time, view.mass)
+        return {"mass_flow": flow.response, **others, "discharged_mass": curve}
 
-    def _bulk_density(self, bed: Particles) -> Response:
-        setup, container = self.setup, self.setup.container
-        bottom, top = setup.density_heights
-        if isinstance(container, SlotBox):
-            return bulk_density_in_box(bed, container.width, container.depth, bottom, top)
-        return bulk_density(bed, container.radius, bottom, top)
+    def _beside_flow(
+        self,
+        bed: Particles,
+        view: DischargeView,  # noqa: ARG002
+        flow: FlowRate,  # noqa: ARG002
+    ) -> dict[str, Response]:
+        """Return the responses beside the mass flow."""
+        return {"bulk_density": self._bulk_density(bed, *self.setup.density_heights)}
+
+    def _bulk_density(self, bed: Particles, bottom: float, top: float) -> Response:
+        container = self.setup.container
+        if container.period is not None:
+            return bulk_density_in_box(bed, 2 * container.half_width, container.period, bottom, top)
+        return bulk_density(bed, container.half_width, bottom, top)
 
     @property
     def number_of_particles(self) -> int:
@@ -258,9 +268,10 @@ class Discharge(BulkTest):
 
     def view(self, run: RunOutput) -> DischargeView:
         """Read the end of a run, to be drawn."""
-        return self._view(run, run.snapshot(END))
-
-    def _view(self, run: RunOutput, end: Particles) -> DischargeView:
-        series = run.series(FLOW, [INSIDE])
+        series, end = run.series(FLOW, [INSIDE]), run.snapshot(END)
         diameter = self.sizes.sauter_diameter
         return DischargeView(self.setup, end, series["time"], series[INSIDE], diameter)
+
+
+def _rounded(response: Response) -> str:
+    return f"{response.value:.4g} ± {response.standard_error:.1g}"

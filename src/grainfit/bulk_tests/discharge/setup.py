@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from functools import cached_property
 
 from grainfit.bulk_tests.discharge import messages
-from grainfit.bulk_tests.discharge.round_container import RoundContainer
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
+from grainfit.bulk_tests.shared.round_container import RoundContainer
 from grainfit.bulk_tests.shared.slot_box import (
     SlotBox,
     default_length,
@@ -18,6 +17,7 @@ from grainfit.bulk_tests.shared.slot_box import (
     shortest_flow,
 )
 from grainfit.bulk_tests.shared.slot_scene import Flow
+from grainfit.bulk_tests.shared.vessel import Vessel
 from grainfit.errors import Fault
 from grainfit.scenes.packing import Footprint, Rectangle, Round
 from grainfit.scenes.scene import natural_time
@@ -75,13 +75,26 @@ class DischargeSetup(Setup):
         """Half the inner width of the container, m."""
         return self.width / 2
 
+    @property
+    def half_box(self) -> float:
+        """Half the width of the simulated space that the walls need, m."""
+        return self.half_width
+
+    @property
+    def bed_height(self) -> float:
+        """Height of the bed before it settles, m."""
+        return float(self.fill_height)
+
     @cached_property
     def container(self) -> SlotBox | RoundContainer:
         """The container."""
+        return self.flat_container(self.bed_height)
+
+    def flat_container(self, height: float) -> SlotBox | RoundContainer:
+        """Return the container with a flat floor, filled up to a height, m."""
         if self.orifice_diameter is not None:
-            return RoundContainer(self.half_width, self.fill_height, self.orifice_diameter / 2)
-        thickness = _THICKNESS * self.d
-        return SlotBox(self.width, self.depth, self.fill_height, self.slot_width, thickness)
+            return RoundContainer(self.half_width, height, self.orifice_diameter / 2)
+        return SlotBox(self.width, self.depth, height, self.slot_width, _THICKNESS * self.d)
 
     @property
     def footprint(self) -> Footprint:
@@ -91,17 +104,17 @@ class DischargeSetup(Setup):
     @cached_property
     def filling(self) -> Filling:
         """Particles of the container."""
-        return plan_filling(self.sizes, self.footprint, self.fill_height, self.gravity)
+        return plan_filling(self.sizes, self.footprint, self.bed_height, self.gravity)
 
     @property
     def density_heights(self) -> tuple[float, float]:
         """Heights between which the bulk density of the bed is measured, m."""
-        return measured_heights(self.sizes, self.fill_height)
+        return measured_heights(self.sizes, self.bed_height)
 
     @property
     def underside(self) -> float:
         """Height below which particles have left the container, m."""
-        return -self.container.thickness if isinstance(self.container, SlotBox) else 0.0
+        return self.container.underside
 
     @property
     def flow(self) -> Flow:
@@ -111,7 +124,7 @@ class DischargeSetup(Setup):
     @cached_property
     def beverloo_time(self) -> float:
         """Time in which all particles flow out by Beverloo's law, s."""
-        area, opening = _equivalent_slot(self.container)
+        area, opening = _equivalent_slot(self.container, self.bed_height)
         return flow_time(self.sizes, area, opening, self.gravity)
 
     @cached_property
@@ -145,11 +158,11 @@ def _article(orifice: str) -> str:
     return "a slot" if orifice == SLOT else "round"
 
 
-def _equivalent_slot(container: SlotBox | RoundContainer) -> tuple[float, float]:
+def _equivalent_slot(container: Vessel, height: float) -> tuple[float, float]:
     """Cross-section of the bed across a slot, and width of the slot, with the same time of flow."""
-    if isinstance(container, SlotBox):
-        return container.width * container.fill_height, container.slot_width
+    filled = container.filled(height)
+    if container.period is not None:
+        return filled, 2 * container.half_outlet
     # A round orifice is as a slot that is as long as the diameter and 0.6 of it wide (both laws of
     # Beverloo, at orifices much larger than particles).
-    volume = math.pi * container.radius**2 * container.fill_height
-    return volume / (2 * container.orifice_radius), 1.2 * container.orifice_radius
+    return filled / (2 * container.half_outlet), 1.2 * container.half_outlet

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +12,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from grainfit.bulk_tests.discharge.setup import DischargeSetup
-from grainfit.bulk_tests.shared.slot_box import SlotBox
 from grainfit.bulk_tests.shared.validity import arch
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, moved
 from grainfit.errors import NotMeasurableError
-from grainfit.evaluation import Response
 from grainfit.measurement.drawing import CurveScale, Drawing, Line, surface_path, wall_line
 from grainfit.measurement.flow_rate import FlowRate, flow_rate, stopped_flow
 from grainfit.measurement.height_map import height_map
@@ -68,8 +67,18 @@ class DischargeView(RunView):
         return replace(inside, positions=inside.positions - [0.0, self._middle, 0.0])
 
     @property
+    def drawn(self) -> Particles:
+        """Particles that are drawn."""
+        return self.end
+
+    @property
+    def drawn_when(self) -> str:
+        """When it was as it is drawn, if not at the end: the end of a sentence."""
+        return ""
+
+    @property
     def _inside(self) -> Particles:
-        inside = self.end.select(self.end.positions[:, 2] > 0)
+        inside = self.drawn.select(self.drawn.positions[:, 2] > 0)
         if not len(inside):
             raise NotMeasurableError("no particles are left in the container")
         return inside
@@ -77,16 +86,15 @@ class DischargeView(RunView):
     @property
     def _middle(self) -> float:
         """Middle of the depth, m."""
-        container = self.setup.container
-        return container.depth / 2 if isinstance(container, SlotBox) else 0.0
+        return (self.setup.container.period or 0.0) / 2
 
     @property
     def arch(self) -> str:
         """Description of an arch over the orifice that has stopped the flow; empty without one."""
         container, positions = self.setup.container, self.end.positions
-        is_slot = isinstance(container, SlotBox)
+        is_slot = container.period is not None
         across = positions[:, 0] if is_slot else np.hypot(positions[:, 0], positions[:, 1])
-        held = (np.abs(across) < self._orifice / 2) & (positions[:, 2] > 0)
+        held = (np.abs(across) < container.half_outlet / 2) & (positions[:, 2] > 0)
         return arch(self.end.select(held), "slot" if is_slot else "orifice")
 
     def flow(self) -> FlowRate:
@@ -101,25 +109,21 @@ class DischargeView(RunView):
             return stopped_flow(self.time, self.mass, float(self.end.masses.mean()))
         return flow_rate(self.time, self.mass)
 
-    def picture(self, path: Path, measured: tuple[FlowRate, Response] | str) -> None:
+    def picture(self, path: Path, flow: FlowRate | str, words: str = "") -> None:
         """Write a PNG of the rest in the container and of the mass in it over time.
 
-        What was measured is mass flow and bulk density, or the reason why there are none.
+        The flow that was measured, or the reason why there is none; what else was measured in
+        words.
         """
-        flow: FlowRate | None = None
-        if isinstance(measured, str):
-            title, subtitle = "Discharge: not valid", measured
+        if isinstance(flow, str):
+            title, subtitle, fitted = f"{path.stem.capitalize()}: not valid", flow, None
         else:
-            flow, density = measured
             title = f"Mass flow {flow.value:.3g} ± {flow.standard_error:.1g} kg/s"
             how = "the flow is measured while 10 to 50 % of the mass that leaves has left"
-            subtitle = (
-                f"bulk density {density.value:.0f} ± {density.standard_error:.0f} kg/m^3 "
-                f"(± standard error); {self.arch or how}"
-            )
+            subtitle, fitted = f"{words}; {self.arch or how}{self.drawn_when}", flow
         panels = [
-            SideView(self._shown, self._extent, self._walls).panel(_PANEL_WIDTH),
-            self._mass_panel(flow),
+            SideView(self._shown, self._extent, (), lines=self._walls).panel(_PANEL_WIDTH),
+            self._mass_panel(fitted),
         ]
         sheet(title, subtitle, panels, _PANEL_WIDTH).save(path)
 
@@ -136,21 +140,13 @@ class DischargeView(RunView):
     @property
     def _shown(self) -> Particles:
         """All particles of a slice; the half of a cylinder behind its axis."""
-        if isinstance(self.setup.container, SlotBox):
-            return self.end
-        return self.end.select(self.end.positions[:, 1] > 0)
+        if self.setup.container.period is not None:
+            return self.drawn
+        return self.drawn.select(self.drawn.positions[:, 1] > 0)
 
     @property
     def _height(self) -> float:
-        return self.setup.container.fill_height
-
-    @property
-    def _orifice(self) -> float:
-        """Half the width of the orifice, m."""
-        container = self.setup.container
-        if isinstance(container, SlotBox):
-            return container.slot_width / 2
-        return container.orifice_radius
+        return self.setup.bed_height
 
     @property
     def _extent(self) -> Rectangle:
@@ -158,27 +154,19 @@ class DischargeView(RunView):
         return (-half, -2 * self.diameter, half, self._height)
 
     @property
-    def _walls(self) -> list[Rectangle]:
-        inner, orifice, thick = self.setup.half_width, self._orifice, self.diameter / 2
-        outer = inner + thick
-        return [
-            (-outer, -thick, -inner, self._height),
-            (inner, -thick, outer, self._height),
-            (-outer, -thick, -orifice, 0.0),
-            (orifice, -thick, outer, 0.0),
-        ]
+    def _walls(self) -> list[list[tuple[float, float]]]:
+        """Sections of the container on both sides, m."""
+        corners = self.setup.container.section(self._height)
+        return [[(side * x, z) for x, z in corners] for side in (-1, 1)]
 
     def drawing(self) -> Drawing:
         """Draw the rest in the container from the side."""
         inner, pixel = self.setup.half_width, self.diameter / _PIXELS
         path = "M0,0Z"
-        if (self.end.positions[:, 2] > 0).any():
+        if (self.drawn.positions[:, 2] > 0).any():
             x, heights = self._silhouette()
             path = surface_path(x, heights, 0.0, pixel)
-        walls = []
-        for side in (-1, 1):
-            walls.append(((side * self._orifice, 0.0), (side * inner, 0.0)))
-            walls.append(((side * inner, 0.0), (side * inner, self._height)))
+        walls = [line for side in self._walls for line in pairwise(side)]
         return Drawing(
             path=path,
             half_width=round(inner / pixel) + _SPACE,
@@ -188,9 +176,9 @@ class DischargeView(RunView):
 
     def _silhouette(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Highest surface over x, averaged over the depth of a slot."""
-        container, inner = self.setup.container, self.setup.half_width
-        if isinstance(container, SlotBox):
-            surface = height_map(self._inside, -inner, inner, container.depth, 0.0)
+        period, inner = self.setup.container.period, self.setup.half_width
+        if period is not None:
+            surface = height_map(self._inside, -inner, inner, period, 0.0)
             return surface.x, surface.profile
         # A slice through the axis, one diameter thick.
         middle = np.abs(self._inside.positions[:, 1]) < self.diameter / 2

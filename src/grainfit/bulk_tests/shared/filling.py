@@ -24,7 +24,7 @@ from grainfit.scenes.scene import Stage, natural_speed, natural_time
 #: bed: they settle lower than planned.
 _OVERFULL_MONOSIZE = 0.66
 _OVERFULL_POLYDISPERSE = 0.70
-_LOOSE = 0.58
+LOOSE = 0.58
 #: A bed that is struck off needs this share of the calculated particles at least.
 _FEWEST = 0.95
 #: Narrowest cylinder, in diameters of the largest particles.
@@ -113,7 +113,7 @@ def plan_filling(
     gravity : float
         m/s^2.
     """
-    count = math.ceil(_LOOSE * (footprint.area * height) / mean_particle_volume(sizes))
+    count = math.ceil(LOOSE * (footprint.area * height) / mean_particle_volume(sizes))
     column = column_height(sizes, count, footprint)
     return Filling(
         particle_count=count,

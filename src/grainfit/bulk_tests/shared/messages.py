@@ -35,6 +35,14 @@ ENLARGED_PARTICLES_ARCH = Message(
     "particles ({largest:.4g} m): they arch below {arches:g}.",
     "{way_out}, or {least}.",
 )
+ORIFICE_IS_WIDE = Message(
+    "an orifice of {width:g} m is not narrower than the container of {diameter:g} m.",
+    "Make the orifice smaller or the container wider.",
+)
+SLOPE_IS_FLAT = Message(
+    "{half_angle:g} deg from the vertical is a slope that is nearly flat.",
+    "Use {flattest:g} deg at most, or {flat:g} deg for a flat floor.",
+)
 SLOT_IS_WIDE = Message(
     "a slot of {slot_width:g} m is not narrower than the box of {width:g} m.",
     "Make the slot narrower or the box wider.",

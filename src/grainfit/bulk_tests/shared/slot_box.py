@@ -1,7 +1,8 @@
 """A box that is periodic in y, filled with a bed, with a slot in its floor that a door closes.
 
-The upper side of the floor is at z = 0 and the slot is at x = 0. All walls are blocks that are met
-from outside, so that the edges of the slot are exact in every solver.
+The upper side of a flat floor without a stem is at z = 0, as the outlet of all others, and the slot
+is at x = 0. All walls are blocks and prisms that are met from outside, so that the edges of the
+slot are exact in every solver.
 """
 
 from __future__ import annotations
@@ -12,11 +13,12 @@ from dataclasses import dataclass
 
 from grainfit.bulk_tests.shared import messages
 from grainfit.bulk_tests.shared.orifice import ARCHES, Orifice
+from grainfit.bulk_tests.shared.vessel import FLAT, Vessel
 from grainfit.bulk_tests.view import Outline
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.scene import Wall, natural_time
-from grainfit.scenes.shapes import Block
+from grainfit.scenes.shapes import Block, Prism
 
 #: Narrowest container and shortest period, in diameters of the largest particles: a shorter period
 #: lets a particle touch its own neighbours on both sides.
@@ -74,7 +76,7 @@ def flow_time(sizes: ParticleSizes, area: float, slot: float, gravity: float) ->
 
 
 @dataclass(frozen=True)
-class SlotBox:
+class SlotBox(Vessel):
     """Geometry of a box with a slot in its floor; lengths in m.
 
     Parameters
@@ -86,7 +88,11 @@ class SlotBox:
     slot_width : float
         Width of the slot.
     thickness : float
-        Thickness of the floor.
+        Thickness of a flat floor without a stem.
+    half_angle : float
+        Angle between the slopes and the vertical, degrees; 90 is a flat floor.
+    stem_length : float
+        Length of the upright walls between slot and slopes.
     """
 
     width: float
@@ -94,6 +100,28 @@ class SlotBox:
     fill_height: float
     slot_width: float
     thickness: float
+    half_angle: float = FLAT
+    stem_length: float = 0.0
+
+    @property
+    def half_outlet(self) -> float:
+        """Half the width of the slot, m."""
+        return self.slot_width / 2
+
+    @property
+    def half_width(self) -> float:
+        """Half the inner width, m."""
+        return self.width / 2
+
+    @property
+    def period(self) -> float:
+        """Depth of the slice, m."""
+        return self.depth
+
+    @property
+    def underside(self) -> float:
+        """Height below which particles have left, m."""
+        return -self.thickness if self.is_flat and not self.stem_length else 0.0
 
     @property
     def orifice(self) -> Orifice:
@@ -110,37 +138,53 @@ class SlotBox:
         largest : float
             Diameter of the largest particles, m.
         """
-        inner, slot = self.width / 2, self.slot_width / 2
-        outer = inner + _SIDE * largest
-        return {
-            "left": self._block(-outer, -inner, top),
-            "right": self._block(inner, outer, top),
-            "left_shelf": self._block(-outer, -slot, 0.0),
-            "right_shelf": self._block(slot, outer, 0.0),
-            "door": self._block(-slot, slot, 0.0),
+        inner, slot = self.half_width, self.half_outlet
+        side, stem, slope_top = _SIDE * largest, self.stem_length, self.slope_top
+        outer, low = inner + side, self.underside
+        walls = {
+            "left": self._block(-outer, -inner, low if self.is_flat else slope_top, top),
+            "right": self._block(inner, outer, low if self.is_flat else slope_top, top),
         }
+        if self.is_flat:
+            walls["left_shelf"] = self._block(-outer, -slot, low, stem)
+            walls["right_shelf"] = self._block(slot, outer, low, stem)
+        else:
+            walls["left_shelf"] = self._slope(-1, self.slope_width(largest))
+            walls["right_shelf"] = self._slope(1, self.slope_width(largest))
+            if stem:
+                walls["left_stem"] = self._block(-slot - side, -slot, 0.0, stem)
+                walls["right_stem"] = self._block(slot, slot + side, 0.0, stem)
+        return {**walls, "door": self._block(-slot, slot, -self.thickness, 0.0)}
 
-    def _block(self, low: float, high: float, top: float) -> Wall:
-        return Wall(Block((low, 0.0, -self.thickness), (high, self.depth, top)))
+    def slope_width(self, largest: float) -> float:
+        """Return the width of a slope along x, m: as thick as a side wall across; 0 without one."""
+        return 0.0 if self.is_flat else _SIDE * largest / math.cos(math.radians(self.half_angle))
+
+    def _block(self, left: float, right: float, low: float, high: float) -> Wall:
+        return Wall(Block((left, 0.0, low), (right, self.depth, high)))
+
+    def _slope(self, side: int, width: float) -> Wall:
+        """Return the slope on a side, from the slot to the upright wall."""
+        slot = side * self.half_outlet
+        left, right = sorted((slot, slot + side * width))
+        low, high = self.stem_length, self.slope_top
+        shift = side * (self.half_width - self.half_outlet)
+        return Wall(Prism((left, 0.0, low), (right, self.depth, high), shift))
 
     def outlines(self, top: float) -> list[Outline]:
         """Return the edges of the walls at both ends of the depth as polylines in space, m."""
-        inner, slot = self.width / 2, self.slot_width / 2
-        lines: list[Outline] = []
-        for y in (0.0, self.depth):
-            for side in (-1, 1):
-                lines.append(
-                    [
-                        (side * inner, y, top),
-                        (side * inner, y, 0.0),
-                        (side * slot, y, 0.0),
-                        (side * slot, y, -self.thickness),
-                        (side * inner, y, -self.thickness),
-                    ]
-                )
+        corners = self.section(top)
+        if self.underside < 0:
+            slot = self.half_outlet
+            corners = [(self.half_width, self.underside), (slot, self.underside), *corners]
+        lines: list[Outline] = [
+            [(side * x, y, z) for x, z in reversed(corners)]
+            for y in (0.0, self.depth)
+            for side in (-1, 1)
+        ]
+        along = dict.fromkeys((x, z) for x, z in corners if 0 <= z <= self.slope_top)
         for side in (-1, 1):
-            for x in (inner, slot):
-                lines.append([(side * x, y, 0.0) for y in (0.0, self.depth)])
+            lines += [[(side * x, y, z) for y in (0.0, self.depth)] for x, z in along]
         return lines
 
     def faults(self, sizes: ParticleSizes) -> Iterator[Fault]:
@@ -159,6 +203,7 @@ class SlotBox:
                 largest=largest,
                 least=_SHORTEST_PERIOD * largest,
             )
+        yield from self.slope_faults()
         yield from container_faults(sizes, self.width, self.fill_height)
 
 

@@ -205,7 +205,7 @@ class Shear(BulkTest):
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment with a material and an insertion seed."""
-        test = self._of_shape(material)
+        test = self.of_material(material)
         column = test.column(seed)
         # Another stream of the same seed: plates do not resemble beds.
         return test._between_plates(column, material, np.random.default_rng([seed, 1]))

@@ -41,10 +41,10 @@ class EmptyBox:
 
     @property
     def is_known(self) -> bool:
-        """Whether the stages that have ended are known, and are not all."""
+        """Whether the stages that have ended are known; the snapshot of the last may be left."""
         ended = [end.name for end in self._ends]
         names = [stage.name for stage in self._scene.stages]
-        return 0 < len(ended) < len(names) and ended == names[: len(ended)]
+        return bool(ended) and ended == names[: len(ended)]
 
     @property
     def unknown_stage(self) -> str:

@@ -1,0 +1,195 @@
+"""The hopper: a cone, a wedge or a flat-bottomed vessel is filled, and its outlet is opened."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar, Self
+
+import numpy as np
+
+from grainfit.bulk_tests.base import Parts
+from grainfit.bulk_tests.discharge import Discharge
+from grainfit.bulk_tests.discharge.setup import ROUND, SLOT
+from grainfit.bulk_tests.discharge.view import DischargeView
+from grainfit.bulk_tests.hopper.setup import HopperSetup
+from grainfit.bulk_tests.hopper.view import HopperView
+from grainfit.bulk_tests.response_info import ResponseInfo
+from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH
+from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE
+from grainfit.bulk_tests.shared.vessel import FLAT, FLATTEST, STEEPEST
+from grainfit.bulk_tests.view import Shown
+from grainfit.errors import NotMeasurableError
+from grainfit.evaluation import Response
+from grainfit.measurement.flow_rate import FlowRate, discharge_time
+from grainfit.measurement.particles import Particles
+from grainfit.measurement.residual_mass import residual_mass
+from grainfit.options.fields import Amount, Derived, option
+from grainfit.options.kinds import Choice, Quantity
+from grainfit.scenes.packing import Column
+from grainfit.scenes.run_output import RunOutput, snapshot_file
+
+_PICTURE = "hopper.png"
+#: Lowest part above the slope in which a bulk density is measured, in diameters.
+_LOWEST_PART = 4.0
+#: Share of the bed above the slope that is measured: its surface is left out.
+_MEASURED = 0.8
+
+
+@dataclass(frozen=True)
+class Hopper(Discharge):
+    """Discharge of a hopper: discharge time, mass flow and residual mass.
+
+    Particles rain into a vessel with a cone, slopes or a flat floor, and with an upright stem below
+    if there is one. Once the bed is at rest, the outlet is opened. The mass in the vessel is
+    recorded until nothing moves any more; particles that have left are gone. A material that arches
+    over the outlet has a mass flow of zero. With a slot the vessel is a slice of periodic depth, a
+    wedge; with a round orifice it is a cone.
+
+    Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
+    particles allow; times follow d by Froude's law. The options are the fields below, as in the
+    calibration file.
+
+    Examples
+    --------
+    >>> Hopper(diameter="10 mm").setup.container.orifice_radius
+    0.03
+    >>> Hopper(diameter="10 mm", orifice="slot", half_angle="40 deg").setup.container.half_angle
+    40.0
+    """
+
+    type: ClassVar[str] = "hopper"
+    title: ClassVar[str] = "hopper with a cone, a wedge or a flat floor"
+    parts: ClassVar[Parts] = {
+        "slope": ("left_shelf", "right_shelf", "floor", "door"),
+        # A box with a slot, or a tube with a round outlet.
+        "container": ("left", "right", "tube"),
+        "stem": ("left_stem", "right_stem", "stem"),
+    }
+    revision: ClassVar[int] = 1
+    shown: ClassVar[Shown] = Shown("hopper", "mass_flow", snapshot_file(END), _PICTURE)
+    responses: ClassVar[Mapping[str, ResponseInfo]] = {
+        "mass_flow": replace(
+            Discharge.responses["mass_flow"],
+            description="mass flow: mass through the outlet per time, of the whole simulated depth "
+            "of a slot",
+            sensitivities=None,
+        ),
+        "discharge_time": ResponseInfo(
+            "s",
+            "t_d",
+            "discharge time: from the opening of the outlet until 99 % of the mass that leaves has "
+            "left",
+            '{ value = "3.1 s", uncertainty = "2 %" }',
+            absent="The material arches over the outlet.",
+        ),
+        "residual_mass": ResponseInfo(
+            "kg",
+            "m_r",
+            "residual mass: mass that stays in the vessel, of the whole simulated depth of a slot",
+            '{ value = "0.12 kg", uncertainty = "5 %" }',
+            lowest=0.0,
+            above_zero=False,
+            why="Nothing is less than empty.",
+        ),
+        "bulk_density": replace(
+            Discharge.responses["bulk_density"],
+            description="bulk density: mass of the bed above the slope over its volume, voids "
+            "included",
+            sensitivities=None,
+            absent="The bed above the slope is lower than 4 d, or its surface is uneven.",
+        ),
+    }
+
+    orifice: str = option(
+        Choice((SLOT, ROUND)),
+        "Shape of the outlet: a slot in a wedge of periodic depth, or a round one in a cone.",
+        example=f'"{ROUND}"',
+        default=ROUND,
+        default_text=f'`"{ROUND}"`',
+    )
+    width: Amount | None = option(
+        LENGTH,
+        "Inner width of the vessel above its slope; of a round one the inner diameter.",
+        example='"140 mm"',
+        default=Derived("14 d, with a slot 16 d", lambda s: s.usual_width),
+    )
+    fill_height: Amount | None = option(
+        LENGTH,
+        f"{FILL_HEIGHT} It begins at the outlet.",
+        example='"150 mm"',
+        default=Derived("8 d above the slope", lambda s: s.usual_height),
+    )
+    half_angle: Amount = option(
+        Quantity("deg", lowest=STEEPEST, highest=FLAT),
+        f"Angle between slope and vertical, up to {FLATTEST:g} degrees; {FLAT:g} is a flat floor "
+        "(a round one on LAMMPS and LIGGGHTS only).",
+        example='"30 deg"',
+        default=30.0,
+        default_text="30 deg",
+    )
+    stem_length: Amount = option(
+        Quantity("m", lowest=0.0, highest=1e3),
+        "Length of an upright stem between slope and outlet, as wide as the outlet.",
+        example='"10 mm"',
+        default=0.0,
+        default_text="0, none",
+    )
+    fill_mass: Amount | None = option(
+        Quantity("kg", above_zero=True),
+        "Mass that is filled in, instead of a height; of a slot that of the simulated depth.",
+        example='"50 g"',
+        default=Derived("that of the height"),
+    )
+
+    @cached_property
+    def setup(self) -> HopperSetup:
+        """Geometry and procedure, with every default resolved."""
+        return HopperSetup(self)
+
+    def of_material(self, material: Mapping[str, float]) -> Self:
+        """Return the test with what a material decides: shape of particles, height of a mass."""
+        test = super().of_material(material)
+        density = material.get(DENSITY)
+        if test.fill_mass is None or density is None:
+            return test
+        height = test.setup.height_of(density)
+        limit = test.setup.settling_time_limit
+        return replace(test, fill_mass=None, fill_height=height, settling_time_limit=limit)
+
+    def column(self, seed: int) -> Column:
+        """Return the particles at the beginning: a column that falls from above the slope."""
+        column, rise = super().column(seed), self.setup.container.slope_top
+        raised = column.positions + np.array([0.0, 0.0, rise])
+        return replace(column, positions=raised, height=column.height + rise)
+
+    def _beside_flow(
+        self, bed: Particles, view: DischargeView, flow: FlowRate
+    ) -> dict[str, Response]:
+        found = {}
+        if not view.arch:
+            found["discharge_time"] = discharge_time(view.time, view.mass, flow)
+        period, particle_mass = self.setup.container.period, float(bed.masses.mean())
+        found["residual_mass"] = residual_mass(view.end, period, particle_mass)
+        # The density is no aim of this test: its bed may be low, or uneven.
+        with suppress(NotMeasurableError):
+            found["bulk_density"] = self._density_above_slope(bed)
+        return found
+
+    def _density_above_slope(self, bed: Particles) -> Response:
+        setup, diameter = self.setup, self.sizes.sauter_diameter
+        bottom, surface = setup.density_bottom, float(bed.positions[:, 2].max())
+        top = setup.container.slope_top + _MEASURED * (surface - setup.container.slope_top)
+        if top - bottom < _LOWEST_PART * diameter:
+            raise NotMeasurableError(self.responses["bulk_density"].absent)
+        return self._bulk_density(bed, bottom, top)
+
+    def view(self, run: RunOutput) -> HopperView:
+        """Read the end of a run, and of one that has run empty the beginning, to be drawn."""
+        series, bed = run.series(FLOW, [INSIDE]), run.snapshot(BED)
+        diameter = self.sizes.sauter_diameter
+        ends = (run.snapshot(END), series["time"], series[INSIDE])
+        return HopperView(self.setup, *ends, diameter, bed)

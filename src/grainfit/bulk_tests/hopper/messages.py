@@ -1,0 +1,10 @@
+"""Messages to users about the options of a hopper."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+FILLED_TWICE = Message(
+    "a mass of {mass:g} kg and a height of {height:g} m say twice how much is filled in.",
+    "Leave one of them out.",
+)
