@@ -9,7 +9,7 @@ import pytest
 
 from grainfit.errors import NotMeasurableError
 from grainfit.measurement import messages
-from grainfit.measurement.flow_rate import flow_rate, stopped_flow
+from grainfit.measurement.flow_rate import discharge_time, flow_rate, stopped_flow
 from grainfit.messages import Message
 
 
@@ -27,6 +27,14 @@ def test_constant_flow_is_its_slope_without_error() -> None:
     # 10 and 50 % of the 1.8 kg that leave.
     assert measured.start == pytest.approx((7 + 0.18 / 1.3, 0.18))
     assert measured.end == pytest.approx((7 + 0.9 / 1.3, 0.9))
+
+
+def test_a_discharge_has_ended_when_99_percent_of_what_leaves_has_left() -> None:
+    time, mass = emptied(1.3)
+    measured = discharge_time(time, mass, flow_rate(time, mass))
+
+    assert measured.value == pytest.approx(0.99 * 1.8 / 1.3, rel=1e-6)
+    assert measured.standard_error < 1e-9
 
 
 def test_slow_start_and_end_do_not_count() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 _SCENE = 'type = "scene" simulates an experiment of your own'
 _POURED = 'type = "funnel" is a poured heap.'
-_VESSEL = f'The nearest is type = "discharge", a flat-bottomed container. {_SCENE}, from STL files.'
+_VESSEL = f'type = "hopper" has cones, wedges and flat floors. {_SCENE}, from STL files.'
 _SHEAR = 'The nearest is type = "shear": plane shear under a normal stress, in steady flow.'
 _TRIAXIAL = (
     'The nearest are type = "compression" and "shear". type = "command" takes your own deck of '
@@ -23,7 +23,7 @@ _DROP = f'type = "command" or "python" takes your own model; {_SCENE}.'
 #: Sentences by names of tests, lower case with underscores.
 OTHER_TESTS: Mapping[str, str] = {
     **dict.fromkeys(("poured_heap", "poured_angle", "pouring", "pile"), _POURED),
-    **dict.fromkeys(("hopper", "silo", "bin", "bucket", "wedge", "hall_flowmeter"), _VESSEL),
+    **dict.fromkeys(("silo", "bin", "bucket", "cone", "wedge", "hall_flowmeter"), _VESSEL),
     **dict.fromkeys(
         ("shear_cell", "shear_tester", "ring_shear", "jenike", "direct_shear", "shear_box"), _SHEAR
     ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -22,7 +22,7 @@ from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE
 from grainfit.bulk_tests.shared.vessel import FLAT, FLATTEST, STEEPEST
 from grainfit.bulk_tests.view import Shown
-from grainfit.errors import NotMeasurableError
+from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.flow_rate import FlowRate, discharge_time
 from grainfit.measurement.particles import Particles
@@ -151,14 +151,31 @@ class Hopper(Discharge):
         return HopperSetup(self)
 
     def of_material(self, material: Mapping[str, float]) -> Self:
-        """Return the test with what a material decides: shape of particles, height of a mass."""
+        """Return the test with what a material decides: shape of particles, height of a mass.
+
+        Raises
+        ------
+        InputError
+            The mass fills too little of the vessel at this density, or is too much.
+        """
         test = super().of_material(material)
         density = material.get(DENSITY)
         if test.fill_mass is None or density is None:
             return test
         height = test.setup.height_of(density)
         limit = test.setup.settling_time_limit
-        return replace(test, fill_mass=None, fill_height=height, settling_time_limit=limit)
+        try:
+            return replace(test, fill_mass=None, fill_height=height, settling_time_limit=limit)
+        except InputError as error:
+            raise InputError([replace(f, key="fill_mass") for f in error.faults]) from None
+
+    def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
+        """Iterate over why a mass of this density, or enlarged particles, mean nothing."""
+        yield from super().material_faults(material)
+        try:
+            self.of_material(material)
+        except InputError as error:
+            yield from error.faults
 
     def column(self, seed: int) -> Column:
         """Return the particles at the beginning: a column that falls from above the slope."""

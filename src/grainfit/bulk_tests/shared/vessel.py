@@ -69,7 +69,7 @@ class Vessel(ABC):
         """Height at which slope or floor end at the upright walls."""
         if self.is_flat:
             return self.stem_length
-        run = self.half_width - self.half_outlet
+        run = max(self.half_width - self.half_outlet, 0.0)
         return self.stem_length + run / math.tan(math.radians(self.half_angle))
 
     def section(self, top: float) -> list[tuple[float, float]]:
