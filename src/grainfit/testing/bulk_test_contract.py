@@ -177,14 +177,10 @@ class BulkTestContract:
             if isinstance(key.kind, Quantity) and key.kind.unit and key.name in self.others:
                 other = self.with_option(bulk_test, key.name, self.others[key.name])
                 number = getattr(other, key.name)
-<<<<<<< HEAD
                 power = 3 if key.kind.unit == "m^3" else 1
-                written = f"{1000**power * number!r} m{key.kind.unit}"
-=======
                 # A thousandth of a kilogram has no prefix.
                 small = "g" if key.kind.unit == "kg" else f"m{key.kind.unit}"
-                written = f"{1000 * number!r} {small}"
->>>>>>> 56750be2 (A hopper of a cone, a wedge or a flat floor is a bulk test)
+                written = f"{1000**power * number!r} {small}"
                 same = self.with_option(bulk_test, key.name, written)
 
                 assert getattr(same, key.name) == pytest.approx(number, rel=1e-12), key.name
