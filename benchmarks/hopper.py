@@ -33,9 +33,9 @@ from kept_runs import mean_and, measure, read, scatter, simulate
 
 DIAMETER, GRAVITY = 0.010, 9.81
 #: Outlets in diameters, and the one of all half angles in degrees.
-OUTLETS, OUTLET, HALF_ANGLES = (4.5, 5.5, 6.5), 5.0, (15.0, 30.0, 45.0, 60.0, 90.0)
+OUTLETS, OUTLET, HALF_ANGLES = (5.0, 6.5, 8.0), 6.0, (15.0, 30.0, 45.0, 60.0, 90.0)
 #: Width of the vessels in diameters, and the height of the bed above the slope.
-FLAT_WIDTH, FLAT_HEIGHT, WIDTH, HEIGHT, DEPTH = 15.0, 10.0, 12.0, 8.0, 6.0
+FLAT_WIDTH, FLAT_HEIGHT, WIDTH, HEIGHT, DEPTH = 18.0, 15.0, 15.0, 10.0, 6.0
 #: Share of the Rayleigh time step that is safe for spheres that are as soft.
 TIME_STEP = 0.19
 #: k of the fit of the exponent, and the exponents of the law.

@@ -33,6 +33,8 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
     ("drum", ""): (1, 1, "f8c26efa526d5f0c"),
     ("funnel", ""): (1, 1, "97afec6bf8d9d20a"),
+    ("hopper", "round"): (1, 1, "9c6f9af9f094671c"),
+    ("hopper", "slot"): (1, 1, "0072ad8aee35b12b"),
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
     ("tapped", ""): (1, 1, "271d275fba2c76ca"),
 }
@@ -50,6 +52,7 @@ YADE_DECKS = {
     "drum": (1, "41aeb0bff972f2da"),
     "funnel": (1, "7e14927997cfa7d2"),
     "heap": (1, "7590e801e9ff0995"),
+    "hopper": (1, "59388f72a98ec492"),
     "packing": (1, "879ba9220532dbe3"),
     "shear": (1, "f0e52e2341489d15"),
     "tapped": (1, "0568a69bd9e3199f"),
