@@ -16,6 +16,7 @@ class TestHeap(BulkTestContract):
         "particle_count": 480,
         "cylinder_radius": "36 mm",
         "plate_radius": "105 mm",
+        "base": "disc",
         "rim_height": "5 mm",
         "strike_off_height": "82 mm",
         "bulk_density_bottom": "15 mm",

@@ -22,6 +22,9 @@ from grainfit.campaign.reuse import needed_responses, runs_of
 from grainfit.campaign.store.store import RunStore
 from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.status import read_status
 
@@ -203,3 +206,36 @@ def test_a_heap_that_slides_apart_on_the_walls_fails_with_that_reason(tmp_path: 
     )
     found = simulated(gf.load(tmp_path / "beads.toml"), tmp_path / "work", is_needed=True)
     assert "plate_sliding_friction" in found.failures["heap"]
+
+
+def heap_on_disc(**options: object) -> Heap:
+    given = {"base": "disc", "strike_off_height": "60 mm", "bulk_density_top": "50 mm"}
+    return Heap(diameter="10 mm", **{**ROUGH_PLATE, **given, **options})
+
+
+def test_a_disc_is_as_wide_as_the_cylinder_and_a_plate_is_the_run_that_it_was() -> None:
+    disc, plate = heap_on_disc(cylinder_radius="55 mm"), Heap(diameter="10 mm", base="plate")
+    recorded = disc.definition()
+
+    assert disc.setup.plate_radius == pytest.approx(0.055)
+    assert recorded["setup"]["base"] == "disc"
+    assert Heap.from_definition(recorded).definition() == recorded
+    assert "base" not in plate.definition()["setup"]
+    with pytest.raises(gf.InputError, match="plate_radius"):
+        heap_on_disc(cylinder_radius="55 mm", plate_radius="54 mm")
+
+
+def test_a_heap_that_does_not_cover_its_disc_is_no_result(tmp_path: Path) -> None:
+    heap = heap_on_disc(cylinder_radius="45 mm", plate_radius="110 mm", lift_speed="0.15 m/s")
+    with pytest.raises(gf.RunFailedError) as caught:
+        Lammps(heap, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300))
+    assert messages.NOT_COVERED.is_in(str(caught.value))
+
+
+@pytest.mark.slow
+def test_a_heap_that_covers_its_disc_has_an_angle(tmp_path: Path) -> None:
+    heap = Heap(diameter="10 mm", base="disc", **ROUGH_PLATE)
+    found = Lammps(heap, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300))
+    assert 20 < found["angle_of_repose"].value < 32
+    # Half a diameter less than the disc, one diameter above it.
+    assert found["base_radius"].value == pytest.approx(0.055, abs=0.005)

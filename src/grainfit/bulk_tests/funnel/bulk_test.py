@@ -14,7 +14,7 @@ from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.funnel import messages
 from grainfit.bulk_tests.funnel.reaches_funnel import funnel_in_heap
-from grainfit.bulk_tests.funnel.setup import DISC, PLATE, FunnelSetup
+from grainfit.bulk_tests.funnel.setup import FunnelSetup
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.options import LENGTH, TIME
@@ -26,6 +26,7 @@ from grainfit.bulk_tests.shared.plate import (
 from grainfit.bulk_tests.shared.plate import (
     ROUGH_PLATE,
     assumed_plate,
+    base_option,
     plate_friction,
     plate_walls,
     rim_option,
@@ -42,7 +43,7 @@ from grainfit.evaluation import Measured
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, Derived, option
-from grainfit.options.kinds import Choice, Quantity
+from grainfit.options.kinds import Quantity
 from grainfit.scenes.conditions import AtRest
 from grainfit.scenes.packing import Column, Footprint, Round
 from grainfit.scenes.run_output import RunOutput, snapshot_file
@@ -61,8 +62,6 @@ _AT_EDGE = (
 _CLEARANCE = 1.5
 #: Largest share of the particles that may stay in an open funnel.
 _LARGEST_REST = 0.02
-#: Smallest base radius of a heap that covers its disc, over that of the disc less a diameter.
-_COVERED = 0.97
 
 
 @dataclass(frozen=True)
@@ -159,14 +158,7 @@ class Funnel(BulkTest):
         default=0.0,
         default_text="0, none",
     )
-    base: str = option(
-        Choice((PLATE, DISC)),
-        "What the heap lies on: a plate on which it ends free, or a disc that it covers, off which "
-        "the surplus falls.",
-        example=f'"{DISC}"',
-        default=PLATE,
-        default_text=f'`"{PLATE}"`',
-    )
+    base: str = base_option()
     plate_radius: Amount | None = option(
         LENGTH,
         "Radius of plate or disc.",
@@ -299,7 +291,7 @@ class Funnel(BulkTest):
                 view.picture(picture, str(error))
             raise
         if self.setup.is_disc:
-            self._require_covered(view)
+            view.require_covered()
         return measured
 
     def _outlet_height(self, run: RunOutput) -> float:
@@ -325,17 +317,6 @@ class Funnel(BulkTest):
             )
         found = arch(held, "outlet") or "the material rests on the wall of the funnel"
         raise RunFailedError(messages.STILL_IN_FUNNEL(arch=found, percent=100 * rest))
-
-    def _require_covered(self, view: HeapView) -> None:
-        """Raise `RunFailedError` if a heap does not cover its disc."""
-        if view.is_at_edge:
-            return
-        diameter = self.sizes.sauter_diameter
-        feet = np.hypot(view.particles.positions[:, 0], view.particles.positions[:, 1])
-        base = float(np.quantile(feet, _COVERED))
-        raise RunFailedError(
-            messages.NOT_COVERED(base=base / diameter, disc=self.setup.plate_radius / diameter)
-        )
 
     @property
     def number_of_particles(self) -> int:

@@ -35,8 +35,3 @@ STILL_IN_FUNNEL = Message(
     "{arch}: {percent:.0f} % of the particles are still in the funnel.",
     "Use a wider outlet.",
 )
-NOT_COVERED = Message(
-    "the heap does not cover the disc: its base radius is {base:.1f} particle diameters, that of "
-    "the disc {disc:.1f}.",
-    "Pour more, or use a smaller disc.",
-)

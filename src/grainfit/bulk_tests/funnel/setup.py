@@ -11,13 +11,12 @@ from grainfit.bulk_tests.funnel import messages
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
 from grainfit.bulk_tests.shared.orifice import Orifice
-from grainfit.bulk_tests.shared.plate import expected_foot
+from grainfit.bulk_tests.shared.plate import ON_DISC, expected_foot
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round
 from grainfit.scenes.scene import natural_time
 
-PLATE, DISC = "plate", "disc"
 #: Defaults in Sauter diameters: the poured volume gives 1,500 particles.
 _VOLUME, _OUTLET = 1350.0, 5.0
 #: Width of the default outlet, in the largest particles.
@@ -110,7 +109,7 @@ class FunnelSetup(Setup):
     @property
     def is_disc(self) -> bool:
         """Whether the heap covers a disc, off which the surplus falls."""
-        return bool(self.base == DISC)
+        return bool(self.base == ON_DISC)
 
     @property
     def heap_volume(self) -> float:

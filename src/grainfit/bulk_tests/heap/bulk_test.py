@@ -22,9 +22,11 @@ from grainfit.bulk_tests.shared.part_friction import (
     friction_of_part,
 )
 from grainfit.bulk_tests.shared.plate import (
+    ON_PLATE,
     PLATE,
     ROUGH_PLATE,
     assumed_plate,
+    base_option,
     plate_friction,
     plate_walls,
     rim_option,
@@ -155,10 +157,11 @@ class Heap(BulkTest):
     )
     plate_radius: Amount | None = option(
         LENGTH,
-        "Radius of the plate, whose edge is free unless it has a rim.",
+        "Radius of plate or disc, whose edge is free unless it has a rim.",
         example='"160 mm"',
-        default=Derived("16 d", lambda s: 16 * s.d),
+        default=Derived("16 d; of a disc, the radius of the cylinder", lambda s: s.usual_plate),
     )
+    base: str = base_option()
     rim_height: Amount = rim_option()
     strike_off_height: Amount | None = option(
         LENGTH,
@@ -220,6 +223,9 @@ class Heap(BulkTest):
             "fill_time": filling.fill_time,
         }
         options = self.resolved_options()
+        if not setup.is_disc:
+            # Heaps on a plate are those from before there were discs.
+            del options["base"]
         return {
             "type": self.type,
             "revision": self.revision,
@@ -234,7 +240,7 @@ class Heap(BulkTest):
     def from_definition(cls, definition: Mapping[str, Any]) -> Self:
         """Rebuild the test from the definition in the record of a run."""
         # Geometry and procedure are recorded with every default resolved.
-        options = {**definition["setup"], **definition}
+        options = {"base": ON_PLATE, **definition["setup"], **definition}
         if definition["revision"] == 1 and options["plate_rolling_friction"] is None:
             options["plate_rolling_friction"] = AS_PARTICLES
         return super().from_definition(options)
@@ -302,7 +308,8 @@ class Heap(BulkTest):
     def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure bed and heap; leave a picture and a VTK file of the heap.
 
-        A heap that reaches the edge of the plate is shaped by it: only the density is measured.
+        A heap that reaches the edge of a plate is shaped by it: only the density is measured. One
+        on a disc must cover it.
 
         Raises
         ------
@@ -326,7 +333,10 @@ class Heap(BulkTest):
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        return {"bulk_density": density, **heap.measure(picture, _AT_EDGE)}
+        found = heap.measure(picture, "" if setup.is_disc else _AT_EDGE)
+        if setup.is_disc:
+            heap.require_covered()
+        return {"bulk_density": density, **found}
 
     @property
     def number_of_particles(self) -> int:

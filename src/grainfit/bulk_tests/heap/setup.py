@@ -16,6 +16,7 @@ from grainfit.bulk_tests.shared.filling import (
     particles_to_fill,
     strike_off_faults,
 )
+from grainfit.bulk_tests.shared.plate import ON_DISC
 from grainfit.errors import Fault
 from grainfit.scenes.packing import Round, column_height
 
@@ -40,6 +41,16 @@ class HeapSetup(Setup):
     def usual_radius(self) -> float:
         """Default of the radius of the cylinder, m."""
         return max(_RADIUS * self.d, least_radius(self.real))
+
+    @property
+    def is_disc(self) -> bool:
+        """Whether the heap covers a disc, off which the surplus falls."""
+        return bool(self.base == ON_DISC)
+
+    @property
+    def usual_plate(self) -> float:
+        """Default of the radius of plate or disc, m."""
+        return float(self.cylinder_radius) if self.is_disc else 16 * self.d
 
     @property
     def usual_count(self) -> int:
@@ -97,7 +108,8 @@ class HeapSetup(Setup):
         yield [*self._geometry_faults()]
 
     def _geometry_faults(self) -> Iterator[Fault]:
-        if self.plate_radius <= self.cylinder_radius:
+        narrow = self.plate_radius < self.cylinder_radius
+        if narrow or (self.plate_radius == self.cylinder_radius and not self.is_disc):
             yield messages.PLATE_IS_NARROW.fault(
                 "plate_radius", plate_radius=self.plate_radius, cylinder_radius=self.cylinder_radius
             )

@@ -11,7 +11,7 @@ import numpy as np
 
 from grainfit.bulk_tests.shared import messages
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, circle
-from grainfit.errors import NotMeasurableError
+from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.measurement.angle_of_repose import (
     AngleOfRepose,
@@ -27,6 +27,9 @@ from grainfit.measurement.heap_size import base_radius, heap_height, heap_profil
 from grainfit.measurement.messages import NO_HEAP, NOT_ON_PLATE
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.silhouette import Silhouette
+
+#: Share of the particles of a heap that are within its base radius, for readers.
+_OUTER = 0.97
 
 
 @dataclass(frozen=True)
@@ -110,6 +113,16 @@ class HeapView(RunView):
             "heap_height": heap_height(self.silhouettes, diameter),
             "profile": heap_profile(self.silhouettes, diameter, self.plate_radius),
         }
+
+    def require_covered(self) -> None:
+        """Raise `RunFailedError` if the heap does not cover its plate."""
+        if self.is_at_edge:
+            return
+        diameter, places = self.particles.diameter, self.particles.positions
+        base = float(np.quantile(np.hypot(places[:, 0], places[:, 1]), _OUTER))
+        raise RunFailedError(
+            messages.NOT_COVERED(base=base / diameter, disc=self.plate_radius / diameter)
+        )
 
     def picture(self, path: Path, measured: AngleOfRepose | str) -> None:
         """Write a PNG of the heap with what was measured, or the reason why nothing was."""

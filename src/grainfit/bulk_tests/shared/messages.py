@@ -103,3 +103,8 @@ SMALL_PLATE = Message(
     "about {radius}, and a run whose heap reaches the edge fails.",
     'Use plate_radius = "{least}" or more.',
 )
+NOT_COVERED = Message(
+    "the heap does not cover the disc: its base radius is {base:.1f} particle diameters, that of "
+    "the disc {disc:.1f}.",
+    "Pour more, or use a smaller disc.",
+)

@@ -17,12 +17,14 @@ from grainfit.checks import Found, check
 from grainfit.formatting import in_a_row, millimetres
 from grainfit.materials.walls import PLAIN, on_wall
 from grainfit.options.fields import Amount, option
-from grainfit.options.kinds import Quantity, Whole
+from grainfit.options.kinds import Choice, Quantity, Whole
 from grainfit.scenes.scene import WALL, Wall
 from grainfit.scenes.shapes import Cylinder, Disc
 
 #: Surface of plate and rim, when it is another one than that of the walls.
 PLATE = "plate"
+#: What a heap lies on: a plate on which it ends free, or a disc that it covers.
+ON_PLATE, ON_DISC = "plate", "disc"
 #: Options of a rough plate, on which all materials make heaps.
 ROUGH_PLATE: Mapping[str, Amount] = {
     "plate_sliding_friction": 0.5,
@@ -51,6 +53,18 @@ def plate_walls(radius: float, rim_height: float, is_rough: bool) -> dict[str, W
     if rim_height > 0:
         walls["rim"] = Wall(Cylinder(radius, 0.0, rim_height), surface)
     return walls
+
+
+def base_option() -> Any:
+    """Return the option of what the heap lies on."""
+    return option(
+        Choice((ON_PLATE, ON_DISC)),
+        "What the heap lies on: a plate on which it ends free, or a disc that it covers, off which "
+        "the surplus falls.",
+        example=f'"{ON_DISC}"',
+        default=ON_PLATE,
+        default_text=f'`"{ON_PLATE}"`',
+    )
 
 
 def rim_option() -> Any:
@@ -120,7 +134,7 @@ def small_plate(checked: CheckedTest[Any]) -> Iterator[Found]:
     setup, diameter = checked.test.setup, checked.test.sizes.sauter_diameter
     needed = [name for name in absent_responses(checked.test) if name in checked.targets]
     angle, radius = (checked.targets.get(name) for name in ("angle_of_repose", "base_radius"))
-    if not needed or setup.rim_height > 0:
+    if not needed or setup.rim_height > 0 or setup.base == ON_DISC:
         return
     if radius is None and angle is not None and 0 < angle < _STEEPEST:
         radius = expected_foot(setup.heap_volume, angle, diameter)
