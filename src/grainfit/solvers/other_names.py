@@ -23,7 +23,12 @@ _DROP = f'type = "command" or "python" takes your own model; {_SCENE}.'
 #: Sentences by names of tests, lower case with underscores.
 OTHER_TESTS: Mapping[str, str] = {
     **dict.fromkeys(("poured_heap", "poured_angle", "pouring", "pile"), _POURED),
-    **dict.fromkeys(("silo", "bin", "bucket", "cone", "wedge", "hall_flowmeter"), _VESSEL),
+    **dict.fromkeys(("silo", "bin", "bucket", "cone", "wedge"), _VESSEL),
+    **dict.fromkeys(
+        ("granudrum", "granuheap", "granuflow", "granupack", "hall_flowmeter", "carney"),
+        "It is an instrument: 'grainfit apparatus' lists those that are known, each with the type "
+        f"of its test. {_SCENE}.",
+    ),
     **dict.fromkeys(
         ("shear_cell", "shear_tester", "ring_shear", "jenike", "direct_shear", "shear_box"), _SHEAR
     ),
