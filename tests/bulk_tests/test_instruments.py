@@ -107,6 +107,20 @@ def test_unknown_names_are_answered_with_the_nearest(tmp_path: Path) -> None:
     assert 'type = "packing"' in str(fault)
 
 
+def test_a_new_file_can_begin_with_an_instrument_that_its_particles_fit(tmp_path: Path) -> None:
+    path = tmp_path / "new.toml"
+    plastic = ["--material", "plastic"]
+    done = CliRunner().invoke(app, ["new", str(path), "--test", "granudrum", *plastic])
+    assert done.exit_code == 0, done.output
+    [test] = gf.load(path).file.tests
+    assert (test.name, test.instrument) == ("granudrum", read_instrument("granudrum"))
+
+    beads = CliRunner().invoke(app, ["new", str(tmp_path / "x.toml"), "--test", "granudrum"])
+    assert isinstance(beads.exception, InputError)
+    assert "drum_radius" in str(beads.exception)
+    assert not (tmp_path / "x.toml").exists()
+
+
 def test_the_command_lists_instruments_and_shows_one_with_its_sources() -> None:
     listed = CliRunner().invoke(app, ["apparatus"])
     shown = CliRunner().invoke(app, ["apparatus", "GranuDrum"])

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from grainfit.bulk_tests.abilities import starter_remarks
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained
+from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file.examples import (
@@ -107,7 +108,8 @@ def starter_file(
     Parameters
     ----------
     names : sequence of str
-        Bulk tests; one that is named twice gets two names.
+        Bulk tests, or instruments, whose tests then have their names; one that is named twice gets
+        two names.
     material : StartingMaterial, optional
         Material whose values it begins with; by default glass beads, with more comments.
     solver : str
@@ -116,26 +118,31 @@ def starter_file(
     Raises
     ------
     InputError
-        There is no such test, no such program, or it cannot simulate a test.
+        There is no such test, no such program, or it cannot simulate a test, or the particles do
+        not fit an instrument.
     """
     known = bulk_tests()
+    instruments = {name: read_instrument(name) for name in names if name in instrument_names()}
+    kinds = {name: instruments[name].type if name in instruments else name for name in names}
     faults = [
         Fault(
             "test",
             f"{name!r} is not a bulk test.",
             instead_of_test(name) or f"Use one of {', '.join(known)}.",
         )
-        for name in names
-        if name not in known
+        for name, kind in kinds.items()
+        if kind not in known
     ]
     if solver not in DEM_PROGRAMS:
         words = f"{solver!r} is not a DEM program that grainfit knows."
         door = instead_of_program(solver, DEM_PROGRAMS)
         faults.append(Fault("solver", words, door or f"Use one of {', '.join(DEM_PROGRAMS)}."))
     if not faults:
-        tests = [
-            known[name](diameter=f"{DIAMETER_OF_EXAMPLES} mm") for name in dict.fromkeys(names)
-        ]
+        diameter = f"{DIAMETER_OF_EXAMPLES} mm"
+        tests = [known[kind](diameter=diameter) for kind in dict.fromkeys(kinds.values())]
+        own = diameter if material is None else material.sections["particle"]["diameter"].value
+        for one in instruments.values():
+            known[one.type](diameter=own, **one.values)
         program = DEM_PROGRAMS[solver]
         faults = [f for test in tests for f in program.concept_faults(test.type, concepts(test))]
     if faults:
@@ -145,8 +152,10 @@ def starter_file(
         first = "\n".join(_sections(material, solver, tests)) + "\n\n"
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
-        own = f"{name}_{number}" if names.count(name) > 1 else ""
-        blocks.append("\n".join(_test(known[name], own, solver, material)) + "\n\n")
+        instrument = instruments.get(name)
+        own = f"{name}_{number}" if names.count(name) > 1 else name if instrument else ""
+        lines = _test(known[kinds[name]], own, solver, material, instrument)
+        blocks.append("\n".join(lines) + "\n\n")
     return _HEAD + _for_solver(first, solver) + "".join(blocks) + _STRATEGY
 
 
@@ -217,19 +226,30 @@ _EXAMPLES = "# The targets below are examples: replace them by your measurements
 
 
 def _test(
-    test: type[BulkTest], name: str, solver: str, material: StartingMaterial | None
+    test: type[BulkTest],
+    name: str,
+    solver: str,
+    material: StartingMaterial | None,
+    instrument: Instrument | None,
 ) -> Iterator[str]:
     """Iterate over the lines of a test."""
     yield "[[test]]"
     yield _with_remark(f'type = "{test.type}"', test.title)
+    if instrument:
+        yield _with_remark(f'apparatus = "{instrument.name}"', instrument.title)
     if name:
         yield _with_remark(f'name = "{name}"', "this test's own name")
     others = ", ".join(f'"{other}"' for other in DEM_PROGRAMS if other != solver)
     yield _with_remark(f'solver = "{solver}"', f"or {others}")
     yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
     set_options = starter_remarks(test)
+    dimensions = instrument.options if instrument else {}
     for key in test.option_keys():
-        yield from _option(key, material, set_options.get(key.name))
+        if key.name in dimensions:
+            line = f"# {key.name} = {dimensions[key.name].toml}"
+            yield _with_remark(line, "of the instrument; here it would override it")
+        else:
+            yield from _option(key, material, set_options.get(key.name))
     for response, info in test.responses.items():
         yield f"targets.{response} = {example_target(response, info.example, material)}"
 

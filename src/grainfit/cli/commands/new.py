@@ -20,7 +20,8 @@ _Tests = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME",
-        help="Laboratory test to calibrate with, such as heap or draw_down. Repeat as needed. "
+        help="Laboratory test to calibrate with, such as heap or draw_down, or an instrument, such "
+        "as granudrum (see 'grainfit apparatus'). Repeat as needed. "
         f"{shown_default('heap; on a terminal it asks')}",
         show_default=False,
     ),
