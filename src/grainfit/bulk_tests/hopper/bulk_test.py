@@ -76,6 +76,7 @@ class Hopper(Discharge):
             Discharge.responses["mass_flow"],
             description="mass flow: mass through the outlet per time, of the whole simulated depth "
             "of a slot",
+            example='{ value = "1.4 kg/s", uncertainty = "3 %" }',
             sensitivities=None,
         ),
         "discharge_time": ResponseInfo(
@@ -83,14 +84,14 @@ class Hopper(Discharge):
             "t_d",
             "discharge time: from the opening of the outlet until 99 % of the mass that leaves has "
             "left",
-            '{ value = "3.1 s", uncertainty = "2 %" }',
+            '{ value = "1.7 s", uncertainty = "2 %" }',
             absent="The material arches over the outlet.",
         ),
         "residual_mass": ResponseInfo(
             "kg",
             "m_r",
             "residual mass: mass that stays in the vessel, of the whole simulated depth of a slot",
-            '{ value = "0.12 kg", uncertainty = "5 %" }',
+            '{ value = "0 kg", uncertainty = "5 g" }',
             lowest=0.0,
             above_zero=False,
             why="Nothing is less than empty.",
