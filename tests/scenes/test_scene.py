@@ -10,10 +10,11 @@ from grainfit import scenes
 from grainfit.errors import InputError
 from grainfit.scenes import conditions, messages, packing, records, scene, shapes
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
+from grainfit.scenes.faults import scene_faults
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, Series, Travel
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
-from grainfit.scenes.shapes import Block, Cylinder, Plane
+from grainfit.scenes.shapes import Block, Cylinder, Plane, Prism
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.simulated_scenes import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
 
@@ -227,3 +228,25 @@ def test_triangles_are_shorter_than_the_period_and_cover_the_wall(shape):
     sides = np.cross(top[:, 1] - top[:, 0], top[:, 2] - top[:, 0])
     width = 0.4 if isinstance(shape, Plane) else 0.2
     assert np.linalg.norm(sides, axis=1).sum() / 2 == pytest.approx(width * 0.03)
+
+
+@pytest.mark.parametrize("shift", [-0.28, 0.04])
+def test_triangles_of_a_prism_are_shorter_than_the_period_and_close_its_section(shift):
+    box = Box((-0.2, 0.0, -0.2), (0.2, 0.03, 0.2), periodic="y")
+    low, high, depth = (-0.05, 0.0, 0.0), (0.05, 1.0, 0.05), 0.03
+    triangles = triangles_of(Prism(low, high, shift), box, 0.01)
+    edges = triangles - np.roll(triangles, 1, axis=1)
+    assert np.linalg.norm(edges, axis=2).max() < depth
+    sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    outline = 2 * 0.1 + 2 * math.hypot(0.05, shift)
+    assert np.linalg.norm(sides, axis=1).sum() / 2 == pytest.approx(outline * depth)
+    top = triangles[triangles[:, :, 2] == 0.05]
+    assert (top[:, 0].min(), top[:, 0].max()) == pytest.approx((shift - 0.05, shift + 0.05))
+
+
+@pytest.mark.parametrize("axes", ["x", "xy", "z"])
+def test_a_slope_that_does_not_repeat_is_refused(axes):
+    slope = Wall(Prism((0.0, 0.0, 0.0), (0.1, 0.1, 0.1), 0.1))
+    box = Box((-0.2, -0.2, -0.2), (0.2, 0.2, 0.2), axes)
+    faults = scene_faults(scene_of(ONE, {"slope": slope}, frames(0.1), box=box))
+    assert messages.PRISM_PERIOD.fault("wall slope", axes=axes) in faults
