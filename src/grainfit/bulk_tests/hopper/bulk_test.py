@@ -85,7 +85,7 @@ class Hopper(Discharge):
             "discharge time: from the opening of the outlet until 99 % of the mass that leaves has "
             "left",
             '{ value = "1.7 s", uncertainty = "2 %" }',
-            absent="The material arches over the outlet.",
+            absent="the material arches over the outlet",
         ),
         "residual_mass": ResponseInfo(
             "kg",
@@ -101,7 +101,7 @@ class Hopper(Discharge):
             description="bulk density: mass of the bed above the slope over its volume, voids "
             "included",
             sensitivities=None,
-            absent="The bed above the slope is lower than 4 d, or its surface is uneven.",
+            absent="the bed above the slope is lower than 4 d, or its surface is uneven",
         ),
     }
 
@@ -163,12 +163,11 @@ class Hopper(Discharge):
         density = material.get(DENSITY)
         if test.fill_mass is None or density is None:
             return test
+        if faults := [*test.setup.mass_faults(density)]:
+            raise InputError(faults)
         height = test.setup.height_of(density)
         limit = test.setup.settling_time_limit
-        try:
-            return replace(test, fill_mass=None, fill_height=height, settling_time_limit=limit)
-        except InputError as error:
-            raise InputError([replace(f, key="fill_mass") for f in error.faults]) from None
+        return replace(test, fill_mass=None, fill_height=height, settling_time_limit=limit)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why a mass of this density, or enlarged particles, mean nothing."""

@@ -10,7 +10,7 @@ from grainfit.bulk_tests.discharge.setup import DischargeSetup
 from grainfit.bulk_tests.hopper import messages
 from grainfit.bulk_tests.shared.filling import LOOSE, Filling, plan_filling
 from grainfit.bulk_tests.shared.round_container import RoundContainer
-from grainfit.bulk_tests.shared.slot_box import SlotBox
+from grainfit.bulk_tests.shared.slot_box import LOWEST_BED, SlotBox
 from grainfit.errors import Fault
 
 #: Height of the bed above the slope, and width of a round vessel, in Sauter diameters.
@@ -96,9 +96,19 @@ class HopperSetup(DischargeSetup):
                 )
             ]
         for stage in super().fault_stages():
-            yield [self._named(fault) for fault in stage]
+            # How high a mass reaches follows from the material.
+            is_by_mass = self.fill_mass is not None
+            yield [fault for fault in stage if not (is_by_mass and fault.key == "fill_height")]
 
-    def _named(self, fault: Fault) -> Fault:
-        """Return a fault of the height of the bed as one of the mass that it follows from."""
-        is_of_mass = fault.key == "fill_height" and self.fill_mass is not None
-        return replace(fault, key="fill_mass") if is_of_mass else fault
+    def mass_faults(self, density: float) -> Iterator[Fault]:
+        """Iterate over why a mass is too little of particles of a density, kg/m^3."""
+        height, least = self.height_of(density), LOWEST_BED * self.largest
+        if height < least:
+            yield messages.LITTLE_MASS.fault(
+                "fill_mass",
+                mass=self.fill_mass,
+                height=height,
+                fewest=LOWEST_BED,
+                largest=self.largest,
+                least=self._empty.volume(least) * density * LOOSE,
+            )

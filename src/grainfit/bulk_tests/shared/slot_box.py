@@ -23,11 +23,12 @@ from grainfit.scenes.shapes import Block, Prism
 #: Narrowest container and shortest period, in diameters of the largest particles: a shorter period
 #: lets a particle touch its own neighbours on both sides.
 _NARROWEST, _SHORTEST_PERIOD = 6.0, 4.0
-_LOWEST_BED = 4.0
+#: Lowest bed, in diameters of the largest particles.
+LOWEST_BED = 4.0
 _LEAST = {
     "width": _NARROWEST,
     "depth": _SHORTEST_PERIOD,
-    "fill_height": _LOWEST_BED,
+    "fill_height": LOWEST_BED,
     "slot_width": ARCHES,
 }
 #: Thickness of the side walls, in diameters of the largest particles.
@@ -237,11 +238,11 @@ def container_faults(sizes: ParticleSizes, width: float, fill_height: float) -> 
         yield messages.CONTAINER_IS_NARROW.fault(
             "width", width=width, fewest=_NARROWEST, largest=largest, least=_NARROWEST * largest
         )
-    if fill_height < _LOWEST_BED * largest:
+    if fill_height < LOWEST_BED * largest:
         yield messages.BED_IS_LOW.fault(
             "fill_height",
             fill_height=fill_height,
-            fewest=_LOWEST_BED,
+            fewest=LOWEST_BED,
             largest=largest,
-            least=_LOWEST_BED * largest,
+            least=LOWEST_BED * largest,
         )
