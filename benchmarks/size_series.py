@@ -27,6 +27,7 @@ import numpy as np
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.size import resized
 from grainfit.formatting import number
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
@@ -34,29 +35,8 @@ from kept_runs import measure, read, scatter, simulate
 
 DIAMETER = 0.010
 MODULUS = "particle.youngs_modulus"
-#: What scales with the apparatus. The rest follows by itself, or stays: outlets, shelves, stresses.
-LENGTHS: Mapping[str, tuple[str, ...]] = {
-    "compression": ("cylinder_radius", "strike_off_height"),
-    "discharge": ("depth", "width", "fill_height"),
-    "draw_down": (
-        "width",
-        "depth",
-        "fill_height",
-        "slot_width",
-        "floor_distance",
-        "floor_half_width",
-    ),
-    "drum": ("drum_radius", "drum_length"),
-    "heap": (
-        "cylinder_radius",
-        "plate_radius",
-        "strike_off_height",
-        "lift_height",
-        "bulk_density_top",
-    ),
-    "packing": ("cylinder_radius", "fill_height", "bulk_density_top"),
-    "shear": ("length", "depth", "gap"),
-}
+#: Tests that were measured.
+TESTS = ("compression", "discharge", "draw_down", "drum", "heap", "packing", "shear")
 #: Responses that are those of a metre of depth.
 PER_DEPTH = ("mass_flow",)
 #: Responses that are not compared.
@@ -76,13 +56,8 @@ class Run(NamedTuple):
 
 def larger(test: str, times: float) -> BulkTest:
     """Return a test in an apparatus that holds so many times the particles."""
-    plate = ROUGH_PLATE if test == "heap" else {}
-    usual, scale = bulk_tests()[test](diameter=DIAMETER, **plate), math.cbrt(times)
-    options = usual.resolved_options()
-    changes = {name: options[name] * scale for name in LENGTHS[test]}
-    if test == "heap":
-        changes["lift_speed"] = options["lift_speed"] * math.sqrt(scale)
-    return bulk_tests()[test](diameter=DIAMETER, **plate, **(changes if times != 1 else {}))
+    plate = ROUGH_PLATE if test in ("funnel", "heap") else {}
+    return resized(bulk_tests()[test](diameter=DIAMETER, **plate), times)
 
 
 def material_of(test: str, modulus: float = ROUGH_SPHERES[MODULUS]) -> Mapping[str, float]:
@@ -142,7 +117,7 @@ def main() -> None:
     """Make the runs that are missing, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kept", type=Path, required=True)
-    parser.add_argument("--tests", nargs="+", default=list(LENGTHS), choices=list(LENGTHS))
+    parser.add_argument("--tests", nargs="+", default=list(TESTS), choices=list(bulk_tests()))
     parser.add_argument("--times", type=float, nargs="+", default=[1, 4, 10])
     parser.add_argument("--seeds", type=int, nargs="+", default=[8, 4, 3])
     parser.add_argument("--moduli", type=float, nargs="+", default=[ROUGH_SPHERES[MODULUS]])

@@ -41,3 +41,16 @@ MANY_RUNS_NEEDED = Message(
     "than that many runs."
 )
 MEAN_WITHIN = Message("the mean of {runs} is within it (95 %).")
+
+# Sizes of an apparatus.
+NO_SIZE = Message("{given:g} is no size.", "Give numbers above 0: times the particles.")
+FEW_SIZES = Message("{count} given.", "Give two or more, as 1,2,4.")
+NO_TREND = Message("{response}: too few sizes of test {test} tell a trend.")
+SIZE_IN_DOUBT = Message(
+    "{response}: the trend to {particles} particles is known to ± {half}, and its tolerance is "
+    "{tolerance}. Larger sizes or more seeds tell."
+)
+SIZE_MATTERS = Message(
+    "{response} with {particles} particles is {change} away from that with {first}; its tolerance "
+    "is {tolerance}. A calibration in the small apparatus needs a target that is as much lower."
+)

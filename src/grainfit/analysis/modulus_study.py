@@ -260,10 +260,8 @@ def modulus_study(plan: ModulusPlan, evaluations: Sequence[Evaluation]) -> Modul
         }
         for target in plan.problem.targets
     }
-    scatter = {name: _pooled(list(groups.values())) for name, groups in values.items()}
-    rows = tuple(
-        _row(plan, factor, by_factor[factor], values, scatter) for factor in sorted(by_factor)
-    )
+    means = {name: mean_responses(groups) for name, groups in values.items()}
+    rows = tuple(_row(plan, factor, by_factor[factor], means) for factor in sorted(by_factor))
     study = ModulusStudy(
         rows,
         tuple(plan.problem.targets),
@@ -281,17 +279,12 @@ def _row(
     plan: ModulusPlan,
     factor: float,
     runs: Sequence[Evaluation],
-    values: Mapping[str, Mapping[float, Sequence[float]]],
-    scatter: Mapping[str, float | None],
+    means: Mapping[str, Mapping[float, MeanResponse]],
 ) -> ModulusRow:
     parameters = plan.at(factor)
     costs = [solver.estimate_cost(parameters) for solver in plan.solvers.values()]
     steps = [cost.time_step for cost in costs if cost is not None]
-    responses = {
-        name: MeanResponse(fmean(found), _error(scatter[name], len(found)))
-        for name, groups in values.items()
-        if (found := groups[factor])
-    }
+    responses = {name: found[factor] for name, found in means.items() if factor in found}
     failures = dict.fromkeys(reason for run in runs for reason in run.failures.values())
     return ModulusRow(
         factor,
@@ -301,6 +294,22 @@ def _row(
         fmean(run.seconds for run in runs),
         tuple(failures),
     )
+
+
+def mean_responses(groups: Mapping[float, Sequence[float]]) -> dict[float, MeanResponse]:
+    """Return the mean of each group of runs that has any; all groups together tell the scatter.
+
+    Parameters
+    ----------
+    groups : mapping of float to sequence of float
+        A response of the runs by what is varied.
+    """
+    scatter = _pooled(list(groups.values()))
+    return {
+        key: MeanResponse(fmean(found), _error(scatter, len(found)))
+        for key, found in groups.items()
+        if found
+    }
 
 
 def _pooled(groups: Sequence[Sequence[float]]) -> float | None:

@@ -27,3 +27,7 @@ NO_INSTRUMENT = Message("is {name!r}, which is no instrument that grainfit knows
 OTHER_TYPE = Message(
     "is {name!r}, which does another test.", 'Give type = "{type}", or the dimensions by hand.'
 )
+NO_SIZE_OF_ITS_OWN = Message(
+    "a test of type {type} has no apparatus whose size can be changed.",
+    "Leave it out.",
+)

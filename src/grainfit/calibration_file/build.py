@@ -19,8 +19,8 @@ from grainfit.calibration_file.checks.registry import findings
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.relatives import relative_solvers, relatives_of
 from grainfit.calibration_file.settings import quantity_of, set_values
-from grainfit.calibration_file.softer import softer_relatives, with_softer_particles
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import material_units
@@ -32,7 +32,7 @@ from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.one_line import one_line
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity
-from grainfit.problem import Problem
+from grainfit.problem import Problem, Relative
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
 from grainfit.solvers.file_entry import FileEntry
@@ -130,6 +130,11 @@ class CalibrationSetup:
         return (*(name for name in _RAYLEIGH if name not in known), *size)
 
     @property
+    def relative_costs(self) -> list[Relative]:
+        """The cheaper relatives of the tests, with their cost."""
+        return relatives_of(self.solvers, self.relatives, self.problem)
+
+    @property
     def bulk_tests(self) -> dict[str, BulkTest]:
         """The bulk tests that are simulated, by name of the test."""
         tests = {name: solver.bulk_test for name, solver in self.solvers.items()}
@@ -202,7 +207,7 @@ class CalibrationSetup:
             if self.cluster is not None:
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
             return calibrate(
-                replace(self.problem, relatives=softer_relatives(self.file)),
+                replace(self.problem, relatives=self.relative_costs),
                 self.solvers,
                 relatives=self.relatives,
                 workdir=folder,
@@ -323,7 +328,7 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
     with with_lines(file.path):
         solvers = build_solvers(file)
         problem = with_scopes(_problem(file), solvers, file.repeats)
-        relatives = _relatives(file)
+        relatives = relative_solvers(file, build_solvers, problem)
         return CalibrationSetup(file, problem, restricted(problem, solvers), relatives=relatives)
 
 
@@ -345,15 +350,6 @@ def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
     if faults:
         raise InputError(faults_with_lines(file.path, faults), str(file.path))
     return solvers
-
-
-def _relatives(file: CalibrationFile) -> dict[str, Solver]:
-    """Build the solvers of the tests with softer particles, if the file asks for them."""
-    tests = [relative.of for relative in softer_relatives(file)]
-    if not tests:
-        return {}
-    chosen = [test for test in file.tests if test.name in tests]
-    return build_solvers(replace(file, fixed=with_softer_particles(file), tests=tuple(chosen)))
 
 
 def _problem(file: CalibrationFile) -> Problem:

@@ -104,11 +104,15 @@ class SearchOptions(CalibrationOptions):
         Weight of the Rayleigh criterion in the misfit.
     softer : float, optional
         Young's modulus of the particles of a cheaper relative of every test, Pa.
+    coarser, smaller : float, optional
+        Times the particle diameters, and share of the number of particles, of that relative.
     """
 
     strategy: Strategy = field(default_factory=Sequential)
     rayleigh_weight: float | None = None
     softer: float | None = None
+    coarser: float | None = None
+    smaller: float | None = None
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,13 @@ from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.checks.context import context_of
 from grainfit.calibration_file.checks.registry import findings
 from grainfit.calibration_file.contact_lines import chosen_model_lines, cohesion_lines
-from grainfit.calibration_file.content import CalibrationFile
 from grainfit.calibration_file.fault_lines import (
     FileFinding,
     faults_with_lines,
     with_key_lines,
     with_lines,
 )
+from grainfit.calibration_file.relatives import what_differs
 from grainfit.calibration_file.run_time import (
     ExpectedRuns,
     RunTime,
@@ -29,7 +29,6 @@ from grainfit.calibration_file.run_time import (
     run_time,
 )
 from grainfit.calibration_file.size_lines import size_lines
-from grainfit.calibration_file.softer import softer_relatives
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.formatting import in_a_row
@@ -114,7 +113,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     problems += chain(*(_words(setup, obstacle) for obstacle in found))
     for test, values in apparatus.items():
         lines += apparatus_lines(test, values)
-    lines += _softer_lines(setup.file)
+    lines += _relative_lines(setup)
     lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
     lines += [f"Table {line}." for line in setup.file.tables]
@@ -201,12 +200,12 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
         yield f"  In the middle of the intervals: {cost}."
 
 
-def _softer_lines(file: CalibrationFile) -> Iterator[str]:
-    for relative in softer_relatives(file):
+def _relative_lines(setup: CalibrationSetup) -> Iterator[str]:
+    for relative in setup.relative_costs:
         yield (
-            f"Test {relative.of}: a part of the search runs with softer particles, in about "
-            f"{100 * relative.cost:.0f} % of the computing time; the verdict rests on the others "
-            "alone."
+            f"Test {relative.of}: a part of the search runs with {what_differs(setup.strategy)}, "
+            f"in about {100 * relative.cost:.2g} % of the computing time; the verdict rests on the "
+            "others alone."
         )
 
 

@@ -41,8 +41,27 @@ SOFTER = Key(
     example='"0.5 MPa"',
     default="none",
 )
+COARSER = Key(
+    "coarser",
+    Quantity("", lowest=1.0, highest=20.0),
+    "Times the particle diameters with which a part of the search runs, in the same apparatus: 2 "
+    "takes a sixteenth of the computing time. What they give is corrected by runs of the real "
+    "test, on which the verdict rests alone. Strategy: sequential.",
+    example="2",
+    default="none",
+)
+SMALLER = Key(
+    "smaller",
+    Quantity("", highest=1.0, above_zero=True),
+    "Share of the particles with which a part of the search runs, in an apparatus that is smaller "
+    "in all directions. What they give is corrected by runs of the real test, on which the "
+    "verdict rests alone. Strategy: sequential.",
+    example="0.1",
+    default="none",
+)
+RELATIVES = (SOFTER, COARSER, SMALLER)
 #: Options of every calibration, with any strategy.
-CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT, SOFTER)
+CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT, *RELATIVES)
 
 
 def name_key() -> Key:
@@ -106,7 +125,8 @@ def _search_options(values: Values, place: Place) -> SearchOptions | None:
     try:
         strategy = make_strategy(name, of_strategy)
         strategy.check_rayleigh_weight(weight)
-        strategy.check_relatives(SOFTER.name if values.get(SOFTER.name) else "")
+        asked = [key.name for key in RELATIVES if values.get(key.name)]
+        strategy.check_relatives(asked[0] if asked else "")
         return SearchOptions(strategy=strategy, **rest)
     except InputError as error:
         for fault in error.faults:

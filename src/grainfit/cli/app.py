@@ -24,6 +24,7 @@ from grainfit.cli.commands.result import result
 from grainfit.cli.commands.run import run
 from grainfit.cli.commands.runs import runs_app
 from grainfit.cli.commands.simulate import simulate
+from grainfit.cli.commands.size import size
 from grainfit.cli.commands.status import status
 from grainfit.cli.commands.stiffness import stiffness
 from grainfit.cli.commands.watch import watch
@@ -57,6 +58,7 @@ for _command in (
     simulate,
     analyse,
     stiffness,
+    size,
     measure,
     watch,
     export,

@@ -120,6 +120,16 @@ class Solver(ABC):
         """Responses that a valid run may be without, with the reason; none by default."""
         return {}
 
+    def of_test(self, test: BulkTest) -> Self:
+        """Return the solver with another bulk test of the same type.
+
+        Raises
+        ------
+        TypeError
+            It is a model of the user.
+        """
+        raise TypeError(f"{self.name} has no bulk test, not even {test.type}")
+
     def filming(self, frames: int, duration: float | None = None) -> Self:
         """Return the solver such that its runs keep frames of the particles; they are the same.
 

@@ -79,6 +79,15 @@ class ParametersFor(Solver):
     def bulk_test(self) -> BulkTest | None:
         return self.solver.bulk_test
 
+    @override
+    def of_test(self, test: BulkTest) -> ParametersFor:
+        return ParametersFor(
+            self.solver.of_test(test),
+            self._fixed,
+            self._takes,
+            depends_on_all=self._depends_on_all,
+        )
+
     @property
     @override
     def absent(self) -> Mapping[str, str]:

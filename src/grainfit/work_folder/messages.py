@@ -126,3 +126,6 @@ SET_BESIDE_ANSWER = Message(
     "Give the calibration file instead of the folder to set values.",
 )
 NO_MODULUS = Message("has no value, so there is no stiffness to study.", "Give it a value.")
+NO_SIZES = Message(
+    "has no apparatus whose size can be changed.", "Own models and scenes have their own."
+)

@@ -35,6 +35,7 @@ from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import LENGTH, settling_option
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
@@ -108,6 +109,7 @@ class Compression(BulkTest):
     overlap_law: ClassVar[OverlapLaw] = UNDER_A_STRESS
     shown: ClassVar[Shown] = Shown("bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0, DENSITY: 1}
+    size_powers: ClassVar[Mapping[str, float | None]] = {}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "loading_modulus": ResponseInfo(
             "Pa",
@@ -214,6 +216,10 @@ class Compression(BulkTest):
     def setup(self) -> CompressionSetup:
         """Geometry and procedure, with every default resolved."""
         return CompressionSetup(self)
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        return scaled(self, scale, cylinder_radius=1, strike_off_height=1)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material: too soft, or too heavy."""

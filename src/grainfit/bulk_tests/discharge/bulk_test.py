@@ -25,6 +25,7 @@ from grainfit.bulk_tests.shared.options import (
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_separate
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
@@ -168,6 +169,15 @@ class Discharge(BulkTest):
     def setup(self) -> DischargeSetup:
         """Geometry and procedure, with every default resolved."""
         return DischargeSetup(self)
+
+    @property
+    def size_powers(self) -> Mapping[str, float | None]:
+        """Power of the size that a response follows: the flow of a slot is that of its depth."""
+        return {} if self.setup.is_round else {"mass_flow": 1}
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        return scaled(self, scale, depth=1, width=1, fill_height=1)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why enlarged particles would arch over the orifice."""

@@ -35,6 +35,7 @@ from grainfit.bulk_tests.shared.validity import (
     require_foot_on_floor,
     require_separate,
 )
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
@@ -96,6 +97,7 @@ class DrawDown(BulkTest):
         unusual_flow,
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
+    size_powers: ClassVar[Mapping[str, float | None]] = {"mass_flow": None}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
             "kg/m^3",
@@ -224,6 +226,19 @@ class DrawDown(BulkTest):
     def setup(self) -> DrawDownSetup:
         """Geometry and procedure, with every default resolved."""
         return DrawDownSetup(self)
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        return scaled(
+            self,
+            scale,
+            width=1,
+            depth=1,
+            fill_height=1,
+            slot_width=1,
+            floor_distance=1,
+            floor_half_width=1,
+        )
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why enlarged particles would arch over the orifice."""

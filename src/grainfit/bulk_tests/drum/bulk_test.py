@@ -22,6 +22,7 @@ from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import NotMeasurableError, RunFailedError
@@ -73,6 +74,7 @@ class Drum(BulkTest):
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_drum, no_end_caps)
     parts: ClassVar[Parts] = {"drum": ("drum",), "caps": _CAPS}
     shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
+    size_powers: ClassVar[Mapping[str, float | None]] = {}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "dynamic_angle": ResponseInfo(
             "deg",
@@ -214,6 +216,11 @@ class Drum(BulkTest):
     def setup(self) -> DrumSetup:
         """Geometry and procedure, with every default resolved."""
         return DrumSetup(self)
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        speed = {"rotational_speed": -0.5} if self.rotational_speed is not None else {}
+        return scaled(self, scale, drum_radius=1, drum_length=1, **speed)
 
     def resolved_options(self) -> dict[str, Any]:
         """Return the value of every option; the speed is recorded, however it was given."""

@@ -35,3 +35,7 @@ STILL_IN_FUNNEL = Message(
     "{arch}: {percent:.0f} % of the particles are still in the funnel.",
     "Use a wider outlet.",
 )
+FLAT_TOP = Message(
+    "{reason} Below a funnel the top is flat, too, where particles fall far or the stream is wide.",
+    "Use a lower funnel_height, a narrower outlet, or pour more.",
+)

@@ -37,6 +37,7 @@ from grainfit.bulk_tests.shared.plate import (
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY, heap_profile, heap_responses
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import NotMeasurableError
@@ -115,6 +116,7 @@ class Heap(BulkTest):
         "plate": ("plate", "rim"),
     }
     shown: ClassVar[Shown] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
+    size_powers: ClassVar[Mapping[str, float | None]] = {"base_radius": 1, "heap_height": 1}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
         **heap_responses(
@@ -207,6 +209,15 @@ class Heap(BulkTest):
     def setup(self) -> HeapSetup:
         """Geometry and procedure, with every default resolved."""
         return HeapSetup(self)
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        setup = self.setup
+        options = scaled(self, scale, cylinder_radius=1, plate_radius=1, strike_off_height=1)
+        options |= scaled(self, scale, bulk_density_top=1, lift_height=1, lift_speed=0.5)
+        # Particles stay as large: a small cylinder is not clear of them earlier.
+        least = min(setup.lift_height, setup.layers_lifted)
+        return options | {"lift_height": max(float(options["lift_height"]), least)}
 
     def definition(self) -> dict[str, Any]:
         """Return everything in the test that affects a run's outcome, as JSON.

@@ -66,8 +66,13 @@ class HeapSetup(Setup):
     @property
     def usual_lift_height(self) -> float:
         """Default of the longest travel of the cylinder, m."""
-        usual = 10 * self.d
+        usual = self.layers_lifted
         return usual if usual >= self.strike_off_height / 4 else self.strike_off_height / 2
+
+    @property
+    def layers_lifted(self) -> float:
+        """Travel of a usual cylinder, m: with it, no bed of this size stays in it."""
+        return 10 * self.d
 
     @property
     def usual_lift_speed(self) -> float:

@@ -21,6 +21,7 @@ from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE
 from grainfit.bulk_tests.shared.vessel import FLAT, FLATTEST, STEEPEST
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
@@ -142,7 +143,7 @@ class Hopper(Discharge):
     fill_mass: Amount | None = option(
         Quantity("kg", above_zero=True),
         "Mass that is filled in, instead of a height; of a slot that of the simulated depth.",
-        example='"50 g"',
+        example='"2 kg"',
         default=Derived("that of the height"),
     )
 
@@ -150,6 +151,16 @@ class Hopper(Discharge):
     def setup(self) -> HopperSetup:
         """Geometry and procedure, with every default resolved."""
         return HopperSetup(self)
+
+    @property
+    def size_powers(self) -> Mapping[str, float | None]:
+        """Power of the size that a response follows: the outlet stays, the content grows."""
+        flow = 0 if self.setup.is_round else 1
+        return {"mass_flow": flow, "discharge_time": 3 - flow, "residual_mass": 3}
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        return super().at_size(scale) | scaled(self, scale, stem_length=1, fill_mass=3)
 
     def of_material(self, material: Mapping[str, float]) -> Self:
         """Return the test with what a material decides: shape of particles, height of a mass.

@@ -24,6 +24,7 @@ from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH, settling_opt
 from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.validity import require_separate
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
@@ -109,6 +110,7 @@ class Packing(BulkTest):
     vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}
     shown: ClassVar[Shown] = Shown("bed", "bulk_density", snapshot_file(BED), _PICTURE)
+    size_powers: ClassVar[Mapping[str, float | None]] = {}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 
     cylinder_radius: Amount | None = option(
@@ -141,6 +143,10 @@ class Packing(BulkTest):
     def setup(self) -> PackingSetup:
         """Geometry and procedure, with every default resolved."""
         return PackingSetup(self)
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        return scaled(self, scale, cylinder_radius=1, fill_height=1, bulk_density_top=1)
 
     @property
     def footprint(self) -> Footprint:

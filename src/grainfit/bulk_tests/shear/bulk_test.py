@@ -33,6 +33,7 @@ from grainfit.bulk_tests.shear.quasi_static import fast_shear
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.bulk_tests.shear.validity import require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
+from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import IN_SHEAR, OverlapLaw
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
@@ -98,6 +99,7 @@ class Shear(BulkTest):
     }
     shown: ClassVar[Shown] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0}
+    size_powers: ClassVar[Mapping[str, float | None]] = {}
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         _ANGLE: ResponseInfo(
             "deg",
@@ -180,6 +182,10 @@ class Shear(BulkTest):
     def setup(self) -> ShearSetup:
         """Geometry and procedure, with every default resolved."""
         return ShearSetup(self)
+
+    def at_size(self, scale: float) -> dict[str, Amount]:
+        """Return the options of an apparatus that is so many times as large."""
+        return scaled(self, scale, length=1, depth=1, gap=1)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material: too soft for the stress."""

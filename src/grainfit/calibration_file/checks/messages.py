@@ -32,5 +32,5 @@ FINER_THAN_INSTRUMENTS = Message(
 ASSUMED_SIZE = Message(
     "Test {test}: {vessel} is assumed, {size}. In trials with soft spheres, an apparatus that "
     "holds {times} times the particles moved {moved}.",
-    "Give {vessel} of the laboratory.",
+    "Give {vessel} of the laboratory; 'grainfit size' simulates it in several sizes.",
 )

@@ -9,6 +9,7 @@ from grainfit.bulk_tests.abilities import material_faults, user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.size import resized
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.calibration_file.checks.context import FileContext
@@ -23,6 +24,8 @@ _WORTH_IT = 0.8
 #: Excess of bulk densities from overlaps that the offered modulus leaves.
 _TOLERATED_EXCESS = 0.02
 _COARSER = 2.0
+#: Particles of a twin in which a search takes minutes.
+_TWIN = 3000
 
 
 @check("short-timeout", "warning")
@@ -73,7 +76,8 @@ def long_calibration(context: FileContext) -> Iterator[Found]:
     if time is None or not time.is_long:
         return
     shorter = []
-    for change, seconds in [*_usual_size(context), *_softer(context), *_coarser(context)]:
+    offers = (_usual_size, _coarser, _twin, _softer)
+    for change, seconds in (found for offer in offers for found in offer(context)):
         faster = replace(time, costs={**time.costs, **seconds})
         if faster.seconds[1] <= _WORTH_IT * time.seconds[1]:
             shorter.append(f"with {change}, it would take {faster}")
@@ -156,6 +160,27 @@ def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
             "(docs/coarse_graining.md)"
         )
         yield words, seconds
+
+
+def _twin(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Offer a search in smaller apparatus with the same particles, for targets at that size."""
+    counts, seconds = {}, {}
+    for name, solver, test in _known_tests(context):
+        if test.number_of_particles <= _TWIN:
+            continue
+        try:
+            twin = resized(test, _TWIN / test.number_of_particles)
+            seconds[name] = solver.estimate_cost_of(twin, _material(context, solver)).wall_seconds
+        except InputError:
+            continue
+        counts[name] = test.number_of_particles
+    if seconds:
+        share = number(_TWIN / max(counts.values()), 1)
+        yield (
+            f"smaller apparatus that hold {_TWIN} particles ('grainfit size' tells what that "
+            f"changes; strategy.smaller = {share} searches in them and verifies the real ones)",
+            seconds,
+        )
 
 
 def _known_tests(context: FileContext) -> Iterator[tuple[str, Solver, BulkTest]]:

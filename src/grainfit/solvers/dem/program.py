@@ -158,6 +158,12 @@ class DeckSolver(Solver):
     def bulk_test(self) -> BulkTest:
         return self.test
 
+    @override
+    def of_test(self, test: BulkTest) -> Self:
+        return type(self)(
+            test, self.material, self.ranks, self.executable, self.contact_models, self.walls
+        )
+
     @property
     @override
     def absent(self) -> Mapping[str, str]:

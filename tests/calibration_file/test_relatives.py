@@ -1,4 +1,4 @@
-"""`softer` in `[strategy]`: the same tests with softer particles, as cheaper relatives."""
+"""`softer`, `coarser`, `smaller` in `[strategy]`: cheaper relatives of the tests."""
 
 from __future__ import annotations
 
@@ -63,6 +63,37 @@ targets.angle = { value = 0.5, tolerance = 0.1 }
 """
     with pytest.raises(InputError, match="needs a bulk test"):
         loaded(tmp_path, text + SOFTER)
+
+
+def test_relatives_have_larger_or_fewer_particles(tmp_path: Path) -> None:
+    setup = loaded(tmp_path, GLASS_BEADS + "[strategy]\ncoarser = 1.25\nsmaller = 0.5\n")
+    real, relative = setup.bulk_tests["heap"], setup.relatives["heap"].bulk_test
+    assert relative is not None
+    assert relative.sizes.coarse_graining == 1.25
+    assert relative.setup.cylinder_radius == pytest.approx(0.5 ** (1 / 3) * 0.06)
+    assert relative.number_of_particles == pytest.approx(
+        0.5 / 1.25**3 * real.number_of_particles, rel=0.05
+    )
+    [one] = setup.relative_costs
+    assert 0.15 < one.cost < 0.35
+    [line] = [line for line in describe_plan(setup).lines if "a part of the search" in line]
+    assert "particles 1.25 times as large and 50 % of the particles in a smaller" in line
+
+
+def test_impossible_relatives_are_refused_with_their_line(tmp_path: Path) -> None:
+    cases = {
+        "coarser = 0.5": "from 1 to 20",
+        "smaller = 1.5": "at most 1",
+        "smaller = 0.001": "makes test heap impossible: cylinder_radius",
+        "coarser = 15": "makes test heap impossible: cylinder_radius",
+        'smaller = 0.5\nname = "staged"': "no meaning for the staged",
+    }
+    for entry, why in cases.items():
+        text = f"{GLASS_BEADS}[strategy]\n{entry}\n"
+        with pytest.raises(InputError, match=why) as caught:
+            loaded(tmp_path, text)
+        line = text[: text.index(entry)].count("\n") + 1
+        assert f"line {line}" in str(caught.value)
 
 
 @pytest.mark.slow
