@@ -33,7 +33,7 @@ Origin = Literal["given", "instrument", "assumed"]
 #: ones, shares and counts.
 _UNITS = ("m", "m^3", "kg", "m/s", "rad/s", "deg", "Pa")
 #: Options without such a unit that a laboratory knows, too.
-_OTHERS = ("orifice", "base", "lining", "fill_level", "inertial_number")
+_OTHERS = ("orifice", "base", "lining", "end_caps", "taps", "fill_level", "inertial_number")
 #: Heights between which a density is measured are no part of an apparatus.
 _MEASURED = ("bulk_density_bottom", "bulk_density_top")
 #: Options that give another one.
