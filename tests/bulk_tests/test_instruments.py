@@ -88,6 +88,10 @@ def test_options_beside_an_instrument_override_it_and_each_value_has_its_origin(
     assert (values["drum_length"].value, values["drum_length"].origin) == ("15 mm", "given")
     assert (values["drum_radius"].value, values["drum_radius"].origin) == ("42 mm", "instrument")
     assert values["fill_level"].origin == "assumed"
+    page = tmp_path / "preview.html"
+    done = CliRunner().invoke(app, ["preview", str(setup.file.path), "--output", str(page)])
+    assert done.exit_code == 0, done.output
+    assert "as of GranuDrum (Granutools): drum radius 42 mm" in page.read_text(encoding="utf-8")
     lines = [*opening_lines(setup)]
     assert any(messages.OF_INSTRUMENT.is_in(line) and "drum radius 42 mm" in line for line in lines)
     assert not any(messages.NEVER_DESCRIBED.is_in(line) for line in lines)

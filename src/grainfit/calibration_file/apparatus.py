@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines, apparatus_of
 from grainfit.calibration_file.build import CalibrationSetup
+from grainfit.calibration_file.content import CalibrationFile
+from grainfit.solvers.base import Solver
 
 
 def simulated_apparatus(setup: CalibrationSetup) -> dict[str, tuple[ApparatusValue, ...]]:
@@ -18,16 +20,34 @@ def simulated_apparatus(setup: CalibrationSetup) -> dict[str, tuple[ApparatusVal
         The calibration.
     """
     material = {**setup.file.fixed, **setup.problem.middle}
-    tests = {test.name: test for test in setup.file.tests}
+    return apparatus_of_tests(setup.file, setup.solvers, material)
+
+
+def apparatus_of_tests(
+    file: CalibrationFile, solvers: Mapping[str, Solver], material: Mapping[str, float]
+) -> dict[str, tuple[ApparatusValue, ...]]:
+    """Return the apparatus of each built-in test of a file, by name of the test.
+
+    Parameters
+    ----------
+    file : CalibrationFile
+        The calibration file.
+    solvers : mapping of str to Solver
+        Those of its tests, by name.
+    material : mapping of str to float
+        Material parameters by dotted name: those that are known.
+    """
+    tests = {test.name: test for test in file.tests}
     found = {
         name: apparatus_of(
-            test,
+            solver.bulk_test,
             tests[name].options if tests[name].given is None else tests[name].given,
             material,
-            setup.solvers[name].walls,
+            solver.walls,
             tests[name].instrument,
         )
-        for name, test in setup.bulk_tests.items()
+        for name, solver in solvers.items()
+        if solver.bulk_test is not None
     }
     return {name: values for name, values in found.items() if values}
 

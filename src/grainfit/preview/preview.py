@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
-from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of
+from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines, apparatus_of
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.files import write_atomically
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
@@ -21,7 +21,11 @@ _WIDE, _NARROW = 900 * OVERSAMPLING, 560 * OVERSAMPLING
 
 
 def preview_tests(
-    solvers: Mapping[str, Solver], values: Mapping[str, float], seed: int, source: str = ""
+    solvers: Mapping[str, Solver],
+    values: Mapping[str, float],
+    seed: int,
+    source: str = "",
+    apparatus: Mapping[str, Collection[ApparatusValue]] | None = None,
 ) -> list[PreviewedTest]:
     """Return the scenes of all tests that a DEM program simulates. No program is started.
 
@@ -35,6 +39,8 @@ def preview_tests(
         Seed of the first packing.
     source : str
         Name of the file, for faults.
+    apparatus : mapping of str to collection of ApparatusValue, optional
+        Apparatus of each test, by its name. Without it what differs from a default is given.
 
     Raises
     ------
@@ -42,7 +48,7 @@ def preview_tests(
         There is no such test, or the scene of one has faults.
     """
     found = [
-        _previewed(name, solver, values, seed)
+        _previewed(name, solver, values, seed, (apparatus or {}).get(name))
         for name, solver in solvers.items()
         if solver.bulk_test is not None
     ]
@@ -51,7 +57,13 @@ def preview_tests(
     return found
 
 
-def _previewed(name: str, solver: Solver, values: Mapping[str, float], seed: int) -> PreviewedTest:
+def _previewed(
+    name: str,
+    solver: Solver,
+    values: Mapping[str, float],
+    seed: int,
+    apparatus: Collection[ApparatusValue] | None,
+) -> PreviewedTest:
     try:
         scene = solver.experiment(values, seed)
         geometry = geometry_of(scene)
@@ -64,8 +76,10 @@ def _previewed(name: str, solver: Solver, values: Mapping[str, float], seed: int
         problem = str(error)
     test = solver.bulk_test
     assert test is not None, "only bulk tests are previewed"
-    apparatus = tuple(apparatus_lines(name, apparatus_of(test, None, values, solver.walls)))
-    return PreviewedTest(name, solver.name, scene, geometry, cost, problem, apparatus)
+    if apparatus is None:
+        apparatus = apparatus_of(test, None, values, solver.walls)
+    lines = tuple(apparatus_lines(name, apparatus))
+    return PreviewedTest(name, solver.name, scene, geometry, cost, problem, lines)
 
 
 def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None:

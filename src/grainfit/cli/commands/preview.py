@@ -35,6 +35,7 @@ def preview(
     Writes a page in three dimensions, and a picture (PNG). No solver is needed or started; the
     function of a scene of your own is called. Measured values may be missing.
     """
+    from grainfit.calibration_file.apparatus import apparatus_of_tests
     from grainfit.calibration_file.planned import load_tests
     from grainfit.calibration_file.settings import set_values
     from grainfit.contact_models.registry import material_units
@@ -42,7 +43,9 @@ def preview(
 
     planned = load_tests(file)
     values = set_values(planned.file, settings or [])
-    tests = preview_tests(planned.solvers, values, seed, str(file))
+    material = {**planned.file.fixed, **values}
+    apparatus = apparatus_of_tests(planned.file, planned.solvers, material)
+    tests = preview_tests(planned.solvers, values, seed, str(file), apparatus)
     units = material_units(values) | {p.name: p.unit for p in planned.file.parameters}
     page, picture = write_preview(
         output or Path(f"{file.stem}.preview.html"), planned.file.name, tests, values, units
