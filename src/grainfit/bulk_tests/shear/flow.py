@@ -103,6 +103,17 @@ def block_mean(blocks: Sequence[float]) -> Response:
     return Response(float(values.mean()), error)
 
 
+def friction_of(record: Record) -> float:
+    """Return the mean shear stress over the mean normal stress of a record."""
+    return float(record.shear_stresses.mean() / record.normal_stresses.mean())
+
+
+def angle_of(friction: Response) -> Response:
+    """Return the angle of a friction, degrees, with its standard error."""
+    error = math.degrees(friction.standard_error / (1 + friction.value**2))
+    return Response(math.degrees(math.atan(friction.value)), error)
+
+
 @dataclass(frozen=True)
 class Profile:
     """Mean velocity along x over the height above the lower plate.

@@ -97,18 +97,32 @@ class ShearSetup(Setup):
         """Return the simulated time between two records, s."""
         return 1 / self.shear_rate(material) / _RECORDS
 
-    def motions(self, material: Mapping[str, float]) -> tuple[Velocity, Load]:
+    def motions(
+        self, material: Mapping[str, float], stress: float | None = None
+    ) -> tuple[Velocity, Load]:
         """Return the motions of the upper plate: it shears at its velocity and presses.
 
         Along z its speed is proportional to the missing force, as with a dashpot of a plate without
         mass (da Cruz et al. 2005, Phys. Rev. E 72, 021309).
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            Material parameters by dotted name.
+        stress : float, optional
+            Another normal stress, Pa: the plate is so fast that the inertial number is the same.
         """
-        impedance = math.sqrt(self.normal_stress * material["particle.density"])
-        dashpot = _DASHPOT * impedance * self.area
-        largest = _CLOSING_SPEED * self.speed(material)
+        stress = stress or self.normal_stress
+        slower = math.sqrt(stress / self.normal_stress)
+        dashpot = _DASHPOT * math.sqrt(stress * material["particle.density"]) * self.area
         return (
-            Velocity("x", self.shear_rate(material) * self.gap),
-            Load("z", -self.normal_stress * self.area, largest, 1 / dashpot),
+            Velocity("x", self.shear_rate(material) * self.gap * slower),
+            Load(
+                "z",
+                -stress * self.area,
+                _CLOSING_SPEED * self.speed(material) * slower,
+                1 / dashpot,
+            ),
         )
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:

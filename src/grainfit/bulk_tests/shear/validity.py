@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from grainfit.bulk_tests.shear.flow import Frame, Profile, Record, plate_speed
+from grainfit.bulk_tests.shear.flow import Frame, Profile, Record
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import RunFailedError
 
@@ -23,7 +23,11 @@ _STEEPEST = 3.0
 
 
 def require_sheared(
-    setup: ShearSetup, frames: Sequence[Frame], records: Sequence[Record], profile: Profile
+    setup: ShearSetup,
+    frames: Sequence[Frame],
+    records: Sequence[Record],
+    speed: float,
+    profile: Profile,
 ) -> None:
     """Raise `RunFailedError` unless the bed was sheared as the test requires.
 
@@ -35,6 +39,8 @@ def require_sheared(
         Snapshots of the averaged part.
     records : sequence of Record
         Stresses of the averaged part.
+    speed : float
+        Mean velocity of the upper plate then, m/s.
     profile : Profile
         Mean velocities of the averaged part.
     """
@@ -46,7 +52,7 @@ def require_sheared(
             f"{setup.normal_stress:g} Pa on average, because the bed still dilates or settles; "
             "use a larger transient_strain or averaged_strain"
         )
-    _require_inertial_number(setup, frames[0], records, profile.gap)
+    _require_inertial_number(setup, frames[0], speed, profile.gap)
     _require_even_shear(profile)
 
 
@@ -62,10 +68,7 @@ def _require_no_leak(frames: Sequence[Frame], diameter: float) -> None:
             )
 
 
-def _require_inertial_number(
-    setup: ShearSetup, frame: Frame, records: Sequence[Record], gap: float
-) -> None:
-    speed = plate_speed(records)
+def _require_inertial_number(setup: ShearSetup, frame: Frame, speed: float, gap: float) -> None:
     density = frame.bed.masses.sum() / frame.bed.volumes.sum()
     found = speed / gap * setup.diameter / math.sqrt(setup.normal_stress / density)
     if not abs(found / setup.inertial_number - 1) <= _INERTIAL:
