@@ -54,7 +54,9 @@ class Accuracy:
 #: directions by a ruler.
 _OF_RESPONSE: Mapping[str, Accuracy] = {
     "internal_friction_angle": Accuracy(0.5),
+    "phi_sf": Accuracy(0.5),
     "dynamic_angle": Accuracy(0.5),
+    "ffc": Accuracy(0.1, is_share=True),
     "base_radius": Accuracy(0.01, is_share=True),
 }
 #: Usual accuracy by unit: angles, densities, mass flows, stresses and moduli, lengths, ratios.

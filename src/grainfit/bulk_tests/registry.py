@@ -23,6 +23,7 @@ from grainfit.bulk_tests.hopper import Hopper as Hopper
 from grainfit.bulk_tests.packing import Packing as Packing
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shear import Shear as Shear
+from grainfit.bulk_tests.shear_cell import ShearCell as ShearCell
 from grainfit.bulk_tests.tapped import Tapped as Tapped
 from grainfit.errors import Fault, InputError, error_in_words
 from grainfit.registration import incomplete, require_complete, require_unique

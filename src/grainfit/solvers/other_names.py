@@ -8,7 +8,10 @@ from collections.abc import Iterable, Mapping
 _SCENE = 'type = "scene" simulates an experiment of your own'
 _POURED = 'type = "funnel" is a poured heap.'
 _VESSEL = f'type = "hopper" has cones, wedges and flat floors. {_SCENE}, from STL files.'
-_SHEAR = 'The nearest is type = "shear": plane shear under a normal stress, in steady flow.'
+_SHEAR = (
+    'type = "shear_cell" is a shear tester: preshear, then shear to failure; type = "shear" has '
+    "steady flow alone, and costs less."
+)
 _TRIAXIAL = (
     'The nearest are type = "compression" and "shear". type = "command" takes your own deck of '
     f"it; {_SCENE}."
@@ -30,7 +33,7 @@ OTHER_TESTS: Mapping[str, str] = {
         f"of its test. {_SCENE}.",
     ),
     **dict.fromkeys(
-        ("shear_cell", "shear_tester", "ring_shear", "jenike", "direct_shear", "shear_box"), _SHEAR
+        ("shear_tester", "ring_shear", "jenike", "direct_shear", "shear_box", "schulze"), _SHEAR
     ),
     **dict.fromkeys(("triaxial", "biaxial", "true_triaxial"), _TRIAXIAL),
     **dict.fromkeys(("drop", "bounce", "rebound", "restitution", "impact"), _DROP),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from typing import Self
 
@@ -76,6 +76,11 @@ class Record:
             (series["shear_lower"] - series["shear_upper"]) / (2 * setup.area),
             (series["normal_upper"] - series["normal_lower"]) / (2 * setup.area),
         )
+
+    def last(self, share: float) -> Self:
+        """Return the last share of the record."""
+        late = self.times >= self.times[-1] - share * (self.times[-1] - self.times[0])
+        return replace(self, **{one.name: getattr(self, one.name)[late] for one in fields(self)})
 
 
 def plate_speed(records: Sequence[Record]) -> float:

@@ -21,10 +21,11 @@ FAST_SHEAR = Message(
 ENTER_SHEAR_STRESS = Message(
     "Enter the steady angle: internal_friction_angle = arc tangent of shear stress over "
     "normal stress in steady flow (phi_sf), with that normal_stress. Points of a yield locus below "
-    "the preshear stress are no targets of this test."
+    'the preshear stress are targets of a test of type "shear_cell".'
 )
 ENTER_ANGLE = Message(
     "The test simulates steady flow: enter phi_sf as internal_friction_angle, with normal_stress "
     "that of the preshear. From phi_e it is about atan(sin phi_e), from a linearised yield locus "
-    "about atan(c / normal_stress + tan phi_lin)."
+    'about atan(c / normal_stress + tan phi_lin). A test of type "shear_cell" has all three as its '
+    "responses."
 )
