@@ -36,6 +36,7 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("hopper", "round"): (1, 1, "9c6f9af9f094671c"),
     ("hopper", "slot"): (1, 1, "0072ad8aee35b12b"),
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
+    ("shear_cell", ""): (1, 1, "163606185230cb8d"),
     ("tapped", ""): (1, 1, "271d275fba2c76ca"),
 }
 #: Revision of clumps, and of some of them time step, s, outer and smallest radius, and moments of
@@ -55,6 +56,7 @@ YADE_DECKS = {
     "hopper": (1, "59388f72a98ec492"),
     "packing": (1, "879ba9220532dbe3"),
     "shear": (1, "f0e52e2341489d15"),
+    "shear_cell": (1, "77cf5b54c8935b2b"),
     "tapped": (1, "0568a69bd9e3199f"),
 }
 #: Revision, height of the column and place of the first particle, m.

@@ -52,7 +52,7 @@ class Record:
     travels : ndarray of shape (n,)
         Distance that the upper plate has moved along x, m.
     shear_stresses, normal_stresses : ndarray of shape (n,)
-        Means of both plates, Pa.
+        Means of both plates, or those of the lower one, Pa.
     """
 
     times: Array
@@ -61,8 +61,23 @@ class Record:
     normal_stresses: Array
 
     @classmethod
-    def of_stage(cls, run: RunOutput, stage: str, setup: ShearSetup) -> Self:
+    def of_stage(
+        cls, run: RunOutput, stage: str, setup: ShearSetup, *, lower_alone: bool = False
+    ) -> Self:
         """Read the series of a stage.
+
+        Parameters
+        ----------
+        run : RunOutput
+            The run.
+        stage : str
+            Its name.
+        setup : ShearSetup
+            Geometry.
+        lower_alone : bool
+            Whether to read the forces on the lower plate alone, which stands still. Those on the
+            upper one swing from step to step where particles are stiff (E over normal stress above
+            10,000), and records at every so many steps meet them at one end of the swing.
 
         Raises
         ------
@@ -70,12 +85,11 @@ class Record:
             The file is missing or damaged, or a column is missing.
         """
         series = run.series(stage, COLUMNS)
-        return cls(
-            series["time"],
-            series["travel"],
-            (series["shear_lower"] - series["shear_upper"]) / (2 * setup.area),
-            (series["normal_upper"] - series["normal_lower"]) / (2 * setup.area),
-        )
+        shear, normal = series["shear_lower"], -series["normal_lower"]
+        if not lower_alone:
+            shear = (shear - series["shear_upper"]) / 2
+            normal = (normal + series["normal_upper"]) / 2
+        return cls(series["time"], series["travel"], shear / setup.area, normal / setup.area)
 
     def last(self, share: float) -> Self:
         """Return the last share of the record."""

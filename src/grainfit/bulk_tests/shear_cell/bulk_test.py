@@ -334,18 +334,20 @@ class ShearCell(PlaneShear):
         stages = ["transient", *(f"{s}{n}" for n in self._numbers for s in ("preshear", "shear"))]
         names = [_FIRST, *(f"{s}{n}" for n in self._numbers for s in ("steady", "failed"))]
         names[-1] = _LAST
-        ways = [float(Record.of_stage(run, stage, self.setup).travels[-1]) for stage in stages]
+        ways = [float(self._record(run, stage).travels[-1]) for stage in stages]
         frames = [read_frame(run, *pair) for pair in zip(names, ways, strict=True)]
         return frames, velocity_profile(frames, self.setup.length, 1.0)
 
+    def _record(self, run: RunOutput, stage: str) -> Record:
+        return Record.of_stage(run, stage, self.setup, lower_alone=True)
+
     def _steady(self, run: RunOutput) -> list[Record]:
         """Read the steady part of every preshear."""
-        records = [Record.of_stage(run, f"preshear{n}", self.setup) for n in self._numbers]
-        return [record.last(_STEADY) for record in records]
+        return [self._record(run, f"preshear{n}").last(_STEADY) for n in self._numbers]
 
     def _failures(self, run: RunOutput, gap: float) -> list[Failure]:
         """Read the courses of failure at every normal stress, the lowest first."""
-        records = [Record.of_stage(run, f"shear{n}", self.setup) for n in self._numbers]
+        records = [self._record(run, f"shear{n}") for n in self._numbers]
         points = len(self.setup.stresses)
         return [Failure.of(records[first::points], gap) for first in reversed(range(points))]
 
