@@ -176,6 +176,7 @@ CASES = {
         "[[test]]",
     ),
     "fast-shear": ("note", starter_file(["shear"]), "[[test]]"),
+    "no-cohesion": ("warning", starter_file(["shear_cell"]), "targets.ffc = "),
     "unusual-value": (
         "warning",
         changed(('value = "22 deg"', "value = 0.38")),

@@ -6,11 +6,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
@@ -33,8 +34,10 @@ from grainfit.bulk_tests.shear_cell import messages
 from grainfit.bulk_tests.shear_cell.failure import WINDOW, Failure, frictions_with_errors
 from grainfit.bulk_tests.shear_cell.picture import draw_shear_cell
 from grainfit.bulk_tests.shear_cell.setup import ShearCellSetup
+from grainfit.bulk_tests.shear_cell.strength import no_cohesion
 from grainfit.bulk_tests.shear_cell.view import ShearCellView
 from grainfit.bulk_tests.view import Shown
+from grainfit.checks import Check
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Curve, Measured
 from grainfit.measurement.mohr_circles import ShearTest
@@ -76,6 +79,7 @@ class ShearCell(PlaneShear):
 
     type: ClassVar[str] = "shear_cell"
     title: ClassVar[str] = "preshear, then shear to failure"
+    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (*PlaneShear.checks, no_cohesion)
     deck_title: ClassVar[str] = "Shear cell: preshear and shear to failure"
     shown: ClassVar[Shown] = Shown("bed", _SHOWN, snapshot_file(_LAST), _PICTURE)
     enter_instead: ClassVar[Mapping[str, str]] = {

@@ -25,3 +25,8 @@ ENTER_CURVE = Message(
 ENTER_STRENGTH = Message("Enter it as unconfined_strength.")
 ENTER_CONSOLIDATION = Message("Enter it as major_consolidation_stress.")
 ENTER_LINEAR_ANGLE = Message("Enter it as phi_lin, the angle of the linearised yield locus.")
+NO_COHESION = Message(
+    "nothing is cohesive, so the bed is free flowing: cohesion and unconfined_strength are zero "
+    "within their standard errors, and runs have no ffc.",
+    "Give the particles cohesion, such as particle_particle.surface_energy (docs/cohesion.md).",
+)
