@@ -19,7 +19,7 @@ from grainfit.errors import InputError
 from grainfit.units import to_unit
 
 #: Particles across the smallest length: too few for some tests, and too many in others.
-SOME = (5.0, 7.0)
+SOME = (5.0, 7.0, 9.0)
 
 
 def named(folder: Path, apparatus: str, *lines: str, test: str = "drum") -> Path:
@@ -53,7 +53,7 @@ def test_every_file_describes_a_test_that_can_be_simulated(name: str) -> None:
 
 
 def is_length(option: str) -> bool:
-    return option.endswith(("radius", "diameter", "length", "width"))
+    return option.endswith(("radius", "diameter", "length", "width", "gap"))
 
 
 @pytest.mark.parametrize("name", instrument_names())
