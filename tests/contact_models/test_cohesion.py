@@ -146,6 +146,7 @@ def test_cohesion_by_energy_and_by_area_cannot_act_together():
 
 def test_the_usual_models_of_cohesion_are_no_choice():
     assert selectable_models() == {
+        "contact": ("hertz_mindlin", "linear"),
         "cohesion": ("sjkr", "sjkr2", "jkr", "dmt"),
         "rolling": ("epsd", "epsd2"),
     }

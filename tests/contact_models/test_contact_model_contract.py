@@ -9,10 +9,12 @@ from grainfit.testing.contact_model_contract import (
     Epsd2Contract,
     EpsdContract,
     HertzMindlinContract,
+    LinearContract,
 )
 
 CONTRACTS = (
     HertzMindlinContract,
+    LinearContract,
     EpsdContract,
     Epsd2Contract,
     SjkrContract,
@@ -40,6 +42,7 @@ def kept_by_solvers(contract):
 
 
 TestHertzMindlin = kept_by_solvers(HertzMindlinContract)
+TestLinear = kept_by_solvers(LinearContract)
 TestEpsd = kept_by_solvers(EpsdContract)
 TestEpsd2 = kept_by_solvers(Epsd2Contract)
 TestSjkr = kept_by_solvers(SjkrContract)

@@ -10,12 +10,10 @@ from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import UnderLoad
-from grainfit.contact_models.registry import contact_law
+from grainfit.contact_models.registry import contact_law, simulated_material
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.scenes.packing import mean_particle_volume
 
-#: Young's modulus over the largest stress of the bed in which the safe share of the Rayleigh time
-#: step of contact laws was measured, and of the stiffest bed (benchmarks/time_steps.py).
-_SOFT_BED, _STIFF_BED = 250.0, 6_800.0
 #: Solid height of a bed whose cross-section changes, in diameters: that of most default tests.
 _USUAL_LAYERS = 7.0
 #: Power of Young's modulus that the number of time steps of a run follows, up to the stiffest bed:
@@ -43,10 +41,8 @@ def safe_time_step_fraction(
 ) -> float:
     """Return the largest safe share of the Rayleigh time step of a test.
 
-    The stiffness of a Hertz contact follows (stress / E)^(1/3), the Rayleigh time step does not.
-    So the share of it that is stable follows (E / stress)^(1/6). The stress is that of the test and
-    the weight of all its particles on its cross-section. Measured in beds of 250 to 6,800, above
-    which it does not grow any more. More than `TIME_STEP_FRACTION` is not measured of clumps, which
+    That of the contact law, under the stress of the test and the weight of all its particles on its
+    cross-section. More than `TIME_STEP_FRACTION` is not measured of clumps, which
     touch in several places at once, and of cohesive particles; of a test that a user has written,
     the stress is not known.
 
@@ -60,11 +56,12 @@ def safe_time_step_fraction(
         Contact models that replace the usual ones of their kind.
     """
     law = contact_law(material, contact_models)
-    share = law.time_step_fraction(material)
+    factor = test.sizes.coarse_graining
+    values = material if factor == 1 else simulated_material(material, factor)
+    radius = test.sizes.with_aspect_ratio(material.get(ASPECT_RATIO)).rayleigh_radius
     if user_functions(test) or law.cohesion is not None or test.sizes.shape is not None:
-        return min(share, TIME_STEP_FRACTION)
-    number = min(material[MODULUS] / _largest_stress(test, material), _STIFF_BED)
-    return share * float(number / _SOFT_BED) ** (1 / 6)
+        return min(law.time_step_fraction(values, radius, None), TIME_STEP_FRACTION)
+    return law.time_step_fraction(values, radius, _largest_stress(test, material))
 
 
 def usual_time_step_fraction(

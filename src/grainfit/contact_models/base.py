@@ -22,10 +22,10 @@ A new contact model is a folder of `grainfit.contact_models` and a line of
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, get_args
 
-from grainfit.contact_models.contact import Contact
+from grainfit.contact_models.contact import Contact, Springs
 from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.walls import same_on_walls
@@ -36,6 +36,9 @@ _COHESIVE = 0.6
 #: Largest overlap of cohesive particles without a load, over their diameter: those that overlap
 #: more are too soft for their cohesion, which then acts as if they were smaller.
 LARGEST_OVERLAP = 0.05
+
+#: Terms that follow from the springs of a contact.
+OF_SPRINGS = ("normal stiffness", "rolling spring")
 
 #: In the order in which solvers need the keywords.
 Kind = Literal["contact", "cohesion", "rolling"]
@@ -55,6 +58,11 @@ class SolverKeywords:
     difference: str = ""
     #: Sentences on how far they differ while one of the model's dashpots acts.
     dashpot_difference: str = ""
+    #: Kinds of models that can act beside it in this solver.
+    beside: tuple[Kind, ...] = KINDS
+    #: Whether the solver has one set of coefficients for spheres of all sizes, which are then those
+    #: of a single diameter.
+    one_size: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,7 +106,15 @@ class ContactModel:
     dashpots : tuple of str
         Names of parameters of rolling dashpots, which solvers implement in different ways.
     safe_time_step : callable, optional
-        Largest share of the Rayleigh time step for a material that is safe with this model.
+        Largest share of the Rayleigh time step for a material that is safe with this model in a
+        soft bed; it gets the stiffness of the normal over that of the tangential spring, None for
+        that of Hertz and Mindlin.
+    step_factor : callable, optional
+        Of models of contact: how much larger the step can be, given the material, the radius of
+        the smallest sphere (m), and the largest stress of the bed (Pa; None if it is not known).
+    springs : callable, optional
+        Stiffness of a contact, of models of contact for which it is the same at every load. Terms
+        that follow from it (`OF_SPRINGS`) are then the same in all solvers.
     attraction : callable, optional
         Attraction of a contact, of models of cohesion.
     """
@@ -110,7 +126,9 @@ class ContactModel:
     equations: tuple[Equation, ...] = ()
     conventions: tuple[Convention, ...] = ()
     dashpots: tuple[str, ...] = ()
-    safe_time_step: Callable[[Mapping[str, float]], float] | None = None
+    safe_time_step: Callable[[Mapping[str, float], float | None], float] | None = None
+    step_factor: Callable[[Mapping[str, float], float, float | None], float] | None = None
+    springs: Callable[[Contact], Springs] | None = None
     attraction: Callable[[Contact], Attraction] | None = None
 
     @property
@@ -200,7 +218,42 @@ class ContactLaw:
         """Return the equation of every term, as a solver computes it; as defined without one."""
         found = [equation for model in self.models for equation in model.equations]
         found += [equation for name, equation in self.differing_terms if name == solver]
-        return list({equation.term: equation for equation in found}.values())
+        terms: dict[str, Equation] = {}
+        for equation in found:
+            # A spring is that of the first model that has it.
+            if self._contact.springs is None or equation.term not in {*OF_SPRINGS} & terms.keys():
+                terms[equation.term] = equation
+        return list(terms.values())
+
+    @property
+    def _contact(self) -> ContactModel:
+        """The model of normal and tangential force."""
+        return self.models[0]
+
+    def with_springs(self, contact: Contact) -> Contact:
+        """Return a contact with the springs of the law, if they are the same at every load."""
+        springs = self._contact.springs
+        return contact if springs is None else replace(contact, springs=springs(contact))
+
+    def in_solver(self, solver: str) -> ContactLaw:
+        """Return the law without the models that cannot act beside the others in a solver."""
+        unfit = {model.name for model, _ in self.unfit(solver)}
+        return ContactLaw(tuple(model for model in self.models if model.name not in unfit))
+
+    def with_sizes(self, solver: str) -> bool:
+        """Return whether a solver has coefficients that hold for one diameter."""
+        return any(words.one_size for words in self.keywords if words.solver == solver)
+
+    def unfit(self, solver: str) -> list[tuple[ContactModel, ContactModel]]:
+        """Return the models that a solver cannot compute beside another one, with that one."""
+        found = [(model, one) for model in self.models for one in model.keywords]
+        return [
+            (other, model)
+            for model, words in found
+            if words.solver == solver
+            for other in self.models
+            if other is not model and other.kind not in words.beside
+        ]
 
     @property
     def defaults(self) -> dict[str, float]:
@@ -217,15 +270,29 @@ class ContactLaw:
         """Return the models that a solver does not have."""
         return [model for model in self.models if solver not in model.solvers]
 
-    def time_step_fraction(self, material: Mapping[str, float]) -> float:
+    def time_step_fraction(
+        self, material: Mapping[str, float], radius: float, stress: float | None
+    ) -> float:
         """Return the largest safe share of the Rayleigh time step.
 
         Parameters
         ----------
         material : mapping of str to float
-            Values by dotted name; where one is missing, the share is safe for all usual values.
+            Values of the simulated particles by dotted name; where one is missing, the share is
+            safe for all usual values.
+        radius : float
+            Of the smallest sphere, m.
+        stress : float or None
+            Largest stress of the bed, Pa, if it is known.
         """
-        share = min(m.safe_time_step(material) for m in self.models if m.safe_time_step is not None)
+        ratio = None
+        if self._contact.springs is not None:
+            springs = self._contact.springs(Contact.between(material, radius, radius, 0.0))
+            ratio = springs.normal / springs.tangential
+        steps = [m.safe_time_step for m in self.models if m.safe_time_step is not None]
+        share = min(step(material, ratio) for step in steps)
+        if self._contact.step_factor is not None:
+            share *= self._contact.step_factor(material, radius, stress)
         return share if self.cohesion is None else _COHESIVE * share
 
     def solver_difference(self, material: Mapping[str, float], solvers: Collection[str]) -> str:
@@ -238,7 +305,10 @@ class ContactLaw:
         solvers : collection of str
             Names of two solvers or more.
         """
-        found = [keywords.difference for keywords in self.keywords if keywords.solver in solvers]
+        # Those of other models are differences of a stiffness that grows with the load.
+        models = self.models if self._contact.springs is None else (self._contact,)
+        words = [keywords for model in models for keywords in model.keywords]
+        found = [keywords.difference for keywords in words if keywords.solver in solvers]
         damped = [model for model in self.models if model.is_damped(material)]
         used = (one for m in damped for one in m.keywords if one.solver in solvers)
         return " ".join(filter(None, [*found, *(one.dashpot_difference for one in used)]))

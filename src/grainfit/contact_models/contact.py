@@ -15,6 +15,20 @@ _ROLLING_INERTIA = 7 / 5
 
 
 @dataclass(frozen=True)
+class Springs:
+    """Stiffness of a contact that is the same at every load.
+
+    Parameters
+    ----------
+    normal, tangential : float
+        Force over overlap, and over tangential displacement, N/m.
+    """
+
+    normal: float
+    tangential: float
+
+
+@dataclass(frozen=True)
 class Contact:
     """A particle that touches another, or a wall.
 
@@ -30,6 +44,8 @@ class Contact:
         Typical normal force, N.
     gravity : float
         m/s^2.
+    springs : Springs, optional
+        Those of its contact law; without them, the stiffness is that of Hertz and Mindlin.
     """
 
     material: Mapping[str, float]
@@ -37,6 +53,7 @@ class Contact:
     other_radius: float | None
     load: float
     gravity: float
+    springs: Springs | None = None
 
     @classmethod
     def between(

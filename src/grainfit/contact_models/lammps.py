@@ -39,6 +39,7 @@ def lammps_keywords(law: ContactLaw) -> list[LammpsKeywords]:
 def lammps_clauses(law: ContactLaw, contact: Contact) -> list[str]:
     """Return all clauses for a contact, in the order that LAMMPS needs."""
     clauses: dict[str, str] = {}
+    contact = law.with_springs(contact)
     for keywords in lammps_keywords(law):
         clauses |= keywords.clauses(contact)
     return list(clauses.values())

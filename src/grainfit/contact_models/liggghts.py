@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Generic, TypeVar
 
 from grainfit.contact_models.base import ContactLaw, SolverKeywords
+from grainfit.contact_models.contact import Contact
 
 Value = TypeVar("Value")
 
@@ -31,6 +32,10 @@ class LiggghtsKeywords(SolverKeywords):
     body_properties: Mapping[str, str] = field(default_factory=dict)
     pair_properties: Mapping[str, str] = field(default_factory=dict)
     dashpot_difference: str = ""
+
+    def constants(self, contact: Contact) -> Mapping[str, float]:  # noqa: ARG002 (a door)
+        """Return values of ``peratomtypepair`` that are computed of a contact, by property."""
+        return {}
 
 
 def liggghts_keywords(law: ContactLaw) -> list[LiggghtsKeywords]:
@@ -58,12 +63,12 @@ class LiggghtsProperties(Generic[Value]):
     """
 
     bodies: Mapping[str, list[Value]]
-    pairs: Mapping[str, list[list[Value]]]
+    pairs: Mapping[str, Sequence[Sequence[Value | float]]]
     keys: Mapping[str, str]
 
 
 def liggghts_properties(
-    law: ContactLaw, walls: Sequence[Mapping[str, Value]]
+    law: ContactLaw, walls: Sequence[Mapping[str, Value]], contacts: Sequence[Contact] = ()
 ) -> LiggghtsProperties[Value]:
     """Return the properties that the models of a contact law read.
 
@@ -74,13 +79,22 @@ def liggghts_properties(
     walls : sequence of mapping
         For each type of walls, the material by dotted name, with the parameters of that wall.
         Values are numbers, or texts that stand for them.
+    contacts : sequence of Contact
+        That of two particles, and of a particle with each of the walls: needed by models of one
+        size of spheres.
     """
     found = liggghts_keywords(law)
     bodies = {name: key for keywords in found for name, key in keywords.body_properties.items()}
     pairs = {name: key for keywords in found for name, key in keywords.pair_properties.items()}
+    constants = [
+        {name: value for words in found for name, value in words.constants(contact).items()}
+        for contact in contacts
+    ]
+    names = constants[0] if constants else ()
     return LiggghtsProperties(
         {name: _of_bodies(key, walls) for name, key in bodies.items()},
-        {name: _of_pairs(key, walls) for name, key in pairs.items()},
+        {name: _matrix(_of_pairs(key, walls)) for name, key in pairs.items()}
+        | {name: _matrix([values[name] for values in constants]) for name in names},
         bodies | pairs,
     )
 
@@ -89,9 +103,12 @@ def _of_bodies(key: str, walls: Sequence[Mapping[str, Value]]) -> list[Value]:
     return [walls[0][f"particle.{key}"], *(wall[f"wall.{key}"] for wall in walls)]
 
 
-def _of_pairs(key: str, walls: Sequence[Mapping[str, Value]]) -> list[list[Value]]:
+def _of_pairs(key: str, walls: Sequence[Mapping[str, Value]]) -> list[Value]:
     values = [walls[0][f"particle_particle.{key}"]]
-    values += [wall[f"particle_wall.{key}"] for wall in walls]
+    return [*values, *(wall[f"particle_wall.{key}"] for wall in walls)]
+
+
+def _matrix(values: Sequence[Value]) -> list[list[Value]]:
     types = range(len(values))
     # Walls never meet walls, but LIGGGHTS requires a value.
     return [[values[min(i, j) or max(i, j)] for j in types] for i in types]

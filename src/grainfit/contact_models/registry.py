@@ -11,17 +11,26 @@ from grainfit.contact_models.epsd.contact_model import EPSD
 from grainfit.contact_models.epsd2.contact_model import EPSD2
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.contact_models.jkr.contact_model import JKR
+from grainfit.contact_models.linear.contact_model import LINEAR
 from grainfit.contact_models.sjkr.contact_model import SJKR
 from grainfit.contact_models.sjkr2.contact_model import SJKR2
 from grainfit.errors import Fault, InputError
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
-from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of, walls_among
+from grainfit.materials.walls import (
+    PLAIN,
+    on_wall,
+    plain_name,
+    same_on_walls,
+    wall_of,
+    walls_among,
+)
 from grainfit.registration import require_complete, require_unique
 
 #: A new contact model is a line here. If several models of one kind
 #: have an effect by default, or act through the same parameters, the first one acts.
 CONTACT_MODELS: tuple[ContactModel, ...] = (
     HERTZ_MINDLIN,
+    LINEAR,
     EPSD,
     EPSD2,
     SJKR,
@@ -260,13 +269,18 @@ def non_default_models(chosen: Iterable[str]) -> tuple[str, ...]:
 def inactive_parameters(chosen: Iterable[str]) -> frozenset[str]:
     """Return the names of parameters that belong only to models replaced by the chosen ones."""
     chosen = tuple(chosen)
-    named = [model for model in CONTACT_MODELS if model.name in chosen]
+    named = _named(chosen)
     kinds = {model.kind for model in named}
     active = [*contact_law({}, chosen).models, *named]
     replaced = [
         m for m in CONTACT_MODELS if m not in active and (m.kind in kinds or not m.is_optional)
     ]
     return frozenset(_names(replaced) - _names(active))
+
+
+def _named(chosen: Iterable[str]) -> list[ContactModel]:
+    chosen = tuple(chosen)
+    return [model for model in CONTACT_MODELS if model.name in chosen]
 
 
 def _names(models: Iterable[ContactModel]) -> set[str]:
@@ -294,8 +308,71 @@ def contact_law_faults(
         return list(error.faults)
     return [
         *(_not_in(solver, model, material) for model in law.without(solver)),
+        *unfit_faults(law, material, solver),
         *inactive_faults(material, chosen),
     ]
+
+
+def unfit_faults(law: ContactLaw, material: Mapping[str, float], solver: str) -> list[Fault]:
+    """Return the faults of models that a solver cannot compute beside another one of the law.
+
+    A model whose parameters are all zero is beside any other.
+    """
+    faults = []
+    for other, model in law.unfit(solver):
+        names = [p.name for p in other.parameters if p.name not in other.dashpots]
+        acting = [one for name in names for one in same_on_walls(name, material) if material[one]]
+        having = [s for s in model.solvers if s in other.solvers and not _is_unfit(other, law, s)]
+        instead = f", or use {' or '.join(having)}" if having else ""
+        faults += [
+            messages.NOT_BESIDE.fault(
+                name,
+                solver=solver,
+                other=other.name,
+                kind=other.kind,
+                model=model.name,
+                instead=instead,
+            )
+            for name in acting
+        ]
+    return faults
+
+
+def _is_unfit(model: ContactModel, law: ContactLaw, solver: str) -> bool:
+    return any(other.name == model.name for other, _ in law.unfit(solver))
+
+
+def size_faults(law: ContactLaw, solver: str, *, is_one_size: bool) -> list[Fault]:
+    """Return why a solver cannot compute the contacts of particles of several sizes, or of clumps.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        The contact models that act.
+    solver : str
+        Name of the solver.
+    is_one_size : bool
+        Whether all particles are spheres of one diameter.
+    """
+    unfit = [
+        model
+        for model in law.models
+        for words in model.keywords
+        if words.solver == solver and words.one_size and not is_one_size
+    ]
+    return [
+        messages.ONE_SIZE.fault(
+            "particle.diameter", solver=solver, model=model.name, remedy=_of_all_sizes(model)
+        )
+        for model in unfit
+    ]
+
+
+def _of_all_sizes(model: ContactModel) -> str:
+    able = [words.solver for words in model.keywords if not words.one_size]
+    if not able:
+        return "Give one diameter, without a shape."
+    return f"Use {' or '.join(able)}, or give one diameter, without a shape."
 
 
 def inactive_faults(material: Mapping[str, float], chosen: Iterable[str]) -> list[Fault]:
@@ -322,6 +399,11 @@ def inactive_models(material: Mapping[str, float], chosen: Iterable[str]) -> lis
 
 def no_effect(name: str, chosen: Iterable[str]) -> Fault:
     """Return the fault of a parameter that the chosen contact models do not have."""
+    own = [m for m in CONTACT_MODELS if plain_name(name) in _names([m])]
+    if all(model.name not in default_models(model.kind) for model in own) and not any(
+        other.kind == model.kind for model in own for other in _named(chosen)
+    ):
+        return messages.NOT_CHOSEN.fault(name, kind=own[0].kind, model=own[0].name)
     return messages.NO_EFFECT.fault(name, models=" and ".join(chosen))
 
 

@@ -22,6 +22,14 @@ class YadeArgument(NamedTuple):
     remark: str = ""
 
 
+class YadeFunctors(NamedTuple):
+    """Classes of YADE that compute a contact: of the material, of stiffness, and of the force."""
+
+    material: str
+    physics: str
+    law: str
+
+
 class YadeKeywords(SolverKeywords, ABC):
     """Keywords of a contact model for YADE.
 
@@ -30,6 +38,22 @@ class YadeKeywords(SolverKeywords, ABC):
     """
 
     solver: ClassVar[str] = "yade"
+    #: Of a model of normal and tangential force.
+    functors: ClassVar[YadeFunctors | None] = None
+
+    def particle(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (a door)
+        """Return the arguments of the particles' material, given the contact of two equal ones."""
+        return ()
+
+    def wall(self, contact: Contact, particles: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002
+        """Return the arguments of the material of a wall.
+
+        Parameters
+        ----------
+        contact, particles : Contact
+            Of a particle with the wall, and of two equal particles.
+        """
+        return ()
 
     @abstractmethod
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:
@@ -56,11 +80,13 @@ class YadeKeywords(SolverKeywords, ABC):
 
 def yade_keywords(law: ContactLaw) -> list[YadeKeywords]:
     """Return the YADE keywords of all models of a contact law that have them."""
-    return [keywords for keywords in law.keywords if isinstance(keywords, YadeKeywords)]
+    found = law.in_solver(YadeKeywords.solver).keywords
+    return [keywords for keywords in found if isinstance(keywords, YadeKeywords)]
 
 
 def yade_physics(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
     """Return all arguments of the ``Ip2`` functor."""
+    contact = law.with_springs(contact)
     return [argument for keywords in yade_keywords(law) for argument in keywords.physics(contact)]
 
 
@@ -72,3 +98,8 @@ def yade_law(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
 def yade_on_wall(law: ContactLaw, contact: Contact) -> list[YadeArgument]:
     """Return all attributes of a contact with a wall that no functor can give it."""
     return [argument for keywords in yade_keywords(law) for argument in keywords.on_wall(contact)]
+
+
+def yade_body(law: ContactLaw) -> YadeKeywords:
+    """Return the keywords of the model of normal and tangential force, which has functors."""
+    return next(keywords for keywords in yade_keywords(law) if keywords.functors is not None)

@@ -18,7 +18,7 @@ SYMBOLS = {
     "omega_r": "rolling speed, 1/s",
 }
 #: Names in formulas that are no symbols.
-FUNCTIONS = frozenset({"sqrt", "ln", "exp", "max", "abs", "pi"})
+FUNCTIONS = frozenset({"sqrt", "ln", "exp", "max", "min", "abs", "pi"})
 _NAME = re.compile(r"[A-Za-z]\w*\*?")
 #: A symbol before its meaning, in a remark.
 _EXPLAINED = re.compile(r"(\w+): ")

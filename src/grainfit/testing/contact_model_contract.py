@@ -37,12 +37,16 @@ from grainfit.contact_models.epsd2.model import rolling_stiffness
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.contact_models.hertz_mindlin.model import (
     EffectiveModuli,
+    damping_factor,
     hertz_overlap,
     impact_overlap,
     impact_time,
     particle_moduli,
     tangential_stiffness,
 )
+from grainfit.contact_models.linear.contact_model import LINEAR
+from grainfit.contact_models.linear.model import impact_overlap as spring_overlap
+from grainfit.contact_models.linear.model import impact_time as spring_time
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS, contact_law, with_defaults
 from grainfit.materials.equations import SYMBOLS
 from grainfit.run_definition import without_defaults
@@ -308,6 +312,126 @@ class HertzMindlinContract(ContactModelContract):
         assert motion.spins[-1, 0, 1] == pytest.approx(5 / 2 * lost / RADIUS, rel=0.02)
 
 
+class LinearContract(ContactModelContract):
+    """Closed forms of linear springs and dashpots; the subclass defines the program."""
+
+    model: ClassVar[ContactModel] = LINEAR
+    #: Without rolling friction, which not every solver has beside it; the springs are given.
+    material: ClassVar[Mapping[str, float]] = {
+        **BEADS,
+        "particle_particle.rolling_friction": 0.0,
+        "particle_wall.rolling_friction": 0.0,
+        "particle_particle.normal_stiffness": 800.0,
+        "particle_particle.tangential_stiffness": 300.0,
+        "particle_wall.normal_stiffness": 1500.0,
+        "particle_wall.tangential_stiffness": 600.0,
+    }
+
+    @pytest.mark.parametrize("restitution", [1.0, 0.79, 0.3])
+    def test_an_impact_of_two_particles_is_that_of_a_spring_and_a_dashpot(
+        self, program: SingleContacts, simulate: Simulate, restitution: float
+    ) -> None:
+        speed, stiffness, start = 0.5, 800.0, (1 + 1e-9) * RADIUS
+        damping = damping_factor(restitution)
+        time = spring_time(MASS / 2, stiffness, damping)
+        motion = simulate(
+            [
+                Sphere((-start, 0.0, 0.05), (speed / 2, 0.0, 0.0)),
+                Sphere((start, 0.0, 0.05), (-speed / 2, 0.0, 0.0)),
+            ],
+            1.5 * time,
+            {"particle_particle.restitution": restitution},
+            frames=600,
+            time_step_fraction=0.002,
+        )
+        overlap = 2 * RADIUS - np.ptp(motion.positions[:, :, 0], axis=1)
+        rebound = np.diff(motion.velocities[-1, :, 0])
+        assert rebound == pytest.approx(restitution * speed, rel=5e-3)
+        if restitution == 1 or not program.never_pulls:
+            deepest = spring_overlap(speed, MASS / 2, stiffness) * _deepest(damping)
+            assert overlap.max() == pytest.approx(deepest, rel=2e-3)
+            assert motion.times[overlap > 0][-1] == pytest.approx(time, rel=5e-3)
+
+    @pytest.mark.parametrize("given", [True, False])
+    def test_an_elastic_impact_on_the_floor_has_its_springs(
+        self, simulate: Simulate, given: bool
+    ) -> None:
+        changes = {"particle_wall.restitution": 1.0}
+        stiffness = 1500.0
+        if not given:
+            changes |= {f"particle_{b}.{k}": 0.0 for b in ("particle", "wall") for k in _SPRINGS}
+            stiffness = 2 * particle_moduli(self.material, "wall").young * RADIUS
+        time = spring_time(MASS, stiffness)
+        motion = simulate(
+            [Sphere((0.0, 0.0, (1 + 1e-9) * RADIUS), (0.0, 0.0, -0.5))],
+            1.5 * time,
+            changes,
+            frames=600,
+            time_step_fraction=0.002,
+        )
+        overlap = RADIUS - motion.positions[:, 0, 2]
+        assert overlap.max() == pytest.approx(spring_overlap(0.5, MASS, stiffness), rel=2e-3)
+        assert motion.times[overlap > 0][-1] == pytest.approx(time, rel=5e-3)
+
+    def test_a_particle_rebounds_from_the_floor_with_the_walls_restitution(
+        self, simulate: Simulate
+    ) -> None:
+        motion = simulate([Sphere((0.0, 0.003, 0.0051), (0.0, 0.0, -0.5))], 0.02)
+        assert motion.velocities[-1, 0, 2] == pytest.approx(0.55 * 0.5, rel=0.01)
+
+    def test_sticking_has_the_tangential_spring(self, simulate: Simulate) -> None:
+        resting = MASS * GRAVITY / 1500.0
+        # Sticking, a sphere oscillates with 7/2 of the inertia of a block.
+        period = 2 * math.pi * math.sqrt(MASS / (3.5 * 600.0))
+        motion = simulate(
+            [_on_floor(resting, (1e-4, 0.0, 0.0))],
+            period / 20,
+            {"particle_wall.restitution": 1.0, "particle_wall.sliding_friction": 10.0},
+            gravity=GRAVITY,
+            time_step_fraction=0.0005,
+        )
+        displacement = 1e-4 * period / (2 * math.pi) * math.sin(2 * math.pi / 20)
+        assert motion.forces[-1, 0, 0] == pytest.approx(-600.0 * displacement, rel=0.02)
+
+    def test_sliding_decelerates_with_the_friction_of_the_floor(self, simulate: Simulate) -> None:
+        start = _on_floor(MASS * GRAVITY / 1500.0, (0.5, 0.0, 0.0))
+        motion = simulate(
+            [start], 0.05, {"particle_wall.sliding_friction": 0.2}, gravity=GRAVITY
+        )
+        lost = 0.5 - motion.velocities[-1, 0, 0]
+        assert lost == pytest.approx(0.2 * GRAVITY * 0.05, rel=0.03)
+
+    def test_an_oblique_impact_that_slides_throughout_loses_mu_times_the_normal_impulse(
+        self, simulate: Simulate
+    ) -> None:
+        oblique = Sphere((0.0, 0.0, 0.0051), (0.1, 0.0, -0.02))
+        changes = {"particle_wall.sliding_friction": 0.1, "particle_wall.restitution": 1.0}
+        motion = simulate([oblique], 0.03, changes)
+        lost = 0.1 * 2 * 0.02
+        assert 0.1 - motion.velocities[-1, 0, 0] == pytest.approx(lost, rel=2e-3)
+        assert motion.spins[-1, 0, 1] == pytest.approx(5 / 2 * lost / RADIUS, rel=0.02)
+
+    def test_rolling_friction_acts_beside_it(
+        self, program: SingleContacts, simulate: Simulate
+    ) -> None:
+        if LINEAR in (model for _, model in contact_law(BEADS, ["linear"]).unfit(program.solver)):
+            assert program.solver == "yade"
+            return
+        # A tenth of the way to the limit: it rocks back with the frequency of its rolling spring.
+        load, friction = MASS * GRAVITY, 0.05
+        stiffness = 2.25 * 1500.0 * (friction * RADIUS) ** 2
+        frequency = math.sqrt(stiffness / _ROLLING_INERTIA)
+        speed = 0.1 * frequency * friction * load * RADIUS**2 / stiffness
+        changes = {
+            "particle_wall.rolling_friction": friction,
+            "particle_wall.sliding_friction": 0.5,
+            "particle_wall.rolling_damping": 0.0,
+        }
+        start = _on_floor(load / 1500.0, (speed, 0.0, 0.0), (0.0, speed / RADIUS, 0.0))
+        motion = simulate([start], math.pi / frequency, changes, gravity=GRAVITY)
+        assert motion.velocities[-1, 0, 0] == pytest.approx(-speed, rel=0.05)
+
+
 class RollingContract(ContactModelContract):
     """Rolling friction with an elastic-plastic spring; subclasses define model and stiffness."""
 
@@ -429,12 +553,19 @@ class Epsd2Contract(RollingContract):
         assert after / (0.5 * speed) == pytest.approx(expected, abs=0.03)
 
 
+_SPRINGS = ("normal_stiffness", "tangential_stiffness")
 _NO_ROLLING = {
     "particle_particle.rolling_friction": 0.0,
     "particle_wall.rolling_friction": 0.0,
 }
 _ROLLING_INERTIA = 7 / 5 * MASS * RADIUS**2
 _DASHPOTS = ("beyond the limit", "within the limit", "none")
+
+
+def _deepest(damping_ratio: float) -> float:
+    """Return the largest overlap of a damped impact over that of an elastic one."""
+    root = math.sqrt(1 - damping_ratio**2)
+    return math.exp(-damping_ratio / root * math.acos(damping_ratio))
 
 
 def _on_floor(

@@ -75,7 +75,7 @@ def _value(expression: str, values: Mapping[str, float]) -> float:
     text = re.sub(r"([A-Za-z]\w*)\*", r"\1_effective", expression)
     text = re.sub(r"\|([^|]+)\|", r"abs(\1)", text).replace("^", "**")
     text = re.sub(r"\s*([-+/,])\s*", r"\1", text)
-    functions = {"abs": abs, "max": max, "ln": math.log}
+    functions = {"abs": abs, "max": max, "min": min, "ln": math.log}
     for name in FUNCTIONS - functions.keys():
         functions[name] = getattr(math, name)
     return float(eval(text.strip().replace(" ", "*"), {**functions, **names}))

@@ -16,7 +16,7 @@ from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.lammps import lammps_clauses
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
-from grainfit.contact_models.yade import yade_law, yade_physics
+from grainfit.contact_models.yade import yade_body, yade_law, yade_physics
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.process.process import run_process
@@ -148,6 +148,8 @@ class SingleContacts(ABC):
     floor_surface_energy: ClassVar[str] = "particle_wall.surface_energy"
     #: Restitution of impacts with hardly any cohesion, by that of the material.
     restitutions: ClassVar[Mapping[float, float]] = {0.3: 0.3, 0.79: 0.79}
+    #: Whether dashpots never make two bodies pull at each other.
+    never_pulls: ClassVar[bool] = False
     #: Attractions that add to the normal force in the limit of friction.
     friction_by_adhesion: ClassVar[float] = 1.0
 
@@ -261,7 +263,12 @@ class LiggghtsContacts(_DumpingProgram):
             "atom_modify map array\nboundary f f f\nnewton off\ncommunicate single vel yes\n"
             "read_data particles.data\nneighbor 0.002 bin\nneigh_modify delay 0\n"
         )
-        found = liggghts_properties(case.law, [case.material])
+        radius, gravity = case.radii[-1], case.typical_gravity
+        contacts = [
+            Contact.between(case.material, radius, radius, gravity),
+            Contact.on_wall(case.material, radius, gravity),
+        ]
+        found = liggghts_properties(case.law, [case.material], contacts)
         for name, values in found.bodies.items():
             text += f"fix {name} all property/global {name} peratomtype {_numbers(values)}\n"
         for name, rows in found.pairs.items():
@@ -280,6 +287,7 @@ class YadeContacts(SingleContacts):
     solver: ClassVar[str] = "yade"
     input_name: ClassVar[str] = "single_contacts.py"
     floor_radius: ClassVar[float] = 0.5
+    never_pulls: ClassVar[bool] = True
     rolling_load: ClassVar[str] = "typical"
     rolling_dashpot: ClassVar[str] = "none"
     restitutions: ClassVar[Mapping[float, float]] = {0.3: 0.42, 0.79: 0.80}
@@ -294,10 +302,22 @@ class YadeContacts(SingleContacts):
         radius = sum(case.radii) / len(case.radii)
         contact = Contact.between(case.material, radius, radius, case.typical_gravity)
         arguments = (f"{name}={value}" for name, value, _ in yade_physics(case.law, contact))
+        body = yade_body(case.law)
+        assert body.functors is not None
+        particle = body.particle(contact)
+        if body.functors.material == "FrictMat":
+            # As it is, not as stiff as contacts with the real wall are (`floor_radius`).
+            wall = [a._replace(value=a.value.replace("particle.", "wall.")) for a in particle]
+        else:
+            on_wall = Contact.on_wall(case.material, radius, case.typical_gravity)
+            wall = list(body.wall(on_wall, contact))
         law = ", ".join(f"{name}={value}" for name, value, _ in yade_law(case.law, contact))
         every = case.steps // case.frames
         text = _YADE.format(
             parameters=dict(case.material),
+            functors=body.functors,
+            particle=", ".join(f"{name}={value}" for name, value, _ in particle),
+            wall=", ".join(f"{name}={value}" for name, value, _ in wall),
             physics=", ".join(arguments),
             law=law,
             spheres=[(s.position, s.velocity, s.spin, s.radius) for s in case.particles],
@@ -325,15 +345,15 @@ from yade import *
 
 PARAMETERS = {parameters!r}
 
-def material(label, body, friction):
-    mat = FrictMat(label=label, young=PARAMETERS[body + ".youngs_modulus"],
-                   poisson=PARAMETERS[body + ".poissons_ratio"],
-                   density=PARAMETERS[body + ".density"], frictionAngle=friction)
+
+def material(label, **values):
+    density = PARAMETERS[label + ".density"]
+    mat = {functors.material}(label=label, density=density, frictionAngle=0.0, **values)
     return O.materials.append(mat)
 
 
-particle = material("particle", "particle", 0.0)
-wall = material("wall", "wall", 0.0)
+particle = material("particle", {particle})
+wall = material("wall", {wall})
 
 
 def _of_pairs(key, convert=float):
@@ -347,8 +367,8 @@ O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
     InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
-                    [Ip2_FrictMat_FrictMat_MindlinPhys({physics})],
-                    [Law2_ScGeom_MindlinPhys_Mindlin({law})]),
+                    [{functors.physics}({physics})],
+                    [{functors.law}({law})]),
     NewtonIntegrator(gravity=(0, 0, -{gravity!r}), damping=0),
 ]
 O.dt = {time_step!r}

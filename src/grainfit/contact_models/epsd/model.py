@@ -77,12 +77,26 @@ def rolling_spring(
     """
     overlap = hertz_overlap(load, moduli, effective_radius)
     normal_stiffness = hertz_stiffness(overlap, moduli, effective_radius)
+    return _rolling_spring(
+        normal_stiffness, effective_radius, rolling_inertia, rolling_friction, rolling_damping
+    )
+
+
+def _rolling_spring(
+    normal_stiffness: float,
+    effective_radius: float,
+    rolling_inertia: float,
+    rolling_friction: float,
+    rolling_damping: float,
+) -> RollingSpring:
     stiffness = _STIFFNESS * normal_stiffness * rolling_friction**2
     damping = 2 * rolling_damping * math.sqrt(rolling_inertia * stiffness) / effective_radius
     return RollingSpring(stiffness, damping)
 
 
-def safe_time_step(material: Mapping[str, float]) -> float:
+def safe_time_step(
+    material: Mapping[str, float], stiffness_ratio: float | None = None
+) -> float:
     """Return the share of the Rayleigh time step that is safe for rolling spring and dashpot.
 
     Two equal spheres that turn against each other have the rolling frequency
@@ -96,6 +110,8 @@ def safe_time_step(material: Mapping[str, float]) -> float:
     material : mapping of str to float
         Values by dotted name; usual ones where they are missing. A wall touches a particle once,
         and is left out.
+    stiffness_ratio : float, optional
+        Stiffness of the normal over that of the tangential spring; that above without it.
 
     Examples
     --------
@@ -107,18 +123,17 @@ def safe_time_step(material: Mapping[str, float]) -> float:
     friction = material.get("particle_particle.rolling_friction", _ROLLING_FRICTION)
     damping = material.get("particle_particle.rolling_damping", _ROLLING_DAMPING)
     ratio = material.get("particle.poissons_ratio", _POISSONS_RATIO)
-    over_tangential = (2 - ratio) / (3 - 3 * ratio)
+    over_tangential = stiffness_ratio or (2 - ratio) / (3 - 3 * ratio)
     frequency = friction * math.sqrt(45 / 16 * over_tangential / 7)
     return safe_share(frequency, math.sqrt(3.5 * _NEIGHBOURS) * damping)
 
 
 def rolling_spring_of(contact: Contact, rolling_damping: float) -> RollingSpring:
     """Return the spring of a contact at its typical load, see `rolling_spring`."""
-    return rolling_spring(
-        particle_moduli(contact.material, contact.body),
-        contact.effective_radius,
-        contact.load,
-        contact.rolling_inertia,
-        contact.value("rolling_friction"),
-        rolling_damping,
-    )
+    radius, inertia = contact.effective_radius, contact.rolling_inertia
+    friction = contact.value("rolling_friction")
+    if contact.springs is not None:
+        normal = contact.springs.normal
+        return _rolling_spring(normal, radius, inertia, friction, rolling_damping)
+    moduli = particle_moduli(contact.material, contact.body)
+    return rolling_spring(moduli, radius, contact.load, inertia, friction, rolling_damping)

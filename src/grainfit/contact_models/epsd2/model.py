@@ -43,5 +43,7 @@ def rolling_stiffness(moduli: EffectiveModuli, effective_radius: float, load: fl
 
 def rolling_stiffness_of(contact: Contact) -> float:
     """Return the stiffness of a contact at its typical load, see `rolling_stiffness`."""
+    if contact.springs is not None:
+        return contact.springs.tangential
     moduli = particle_moduli(contact.material, contact.body)
     return rolling_stiffness(moduli, contact.effective_radius, contact.load)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.hertz_mindlin.lammps import HertzMindlinLammps
 from grainfit.contact_models.hertz_mindlin.liggghts import HERTZ_MINDLIN_LIGGGHTS
-from grainfit.contact_models.hertz_mindlin.model import safe_time_step
+from grainfit.contact_models.hertz_mindlin.model import safe_time_step, step_factor
 from grainfit.contact_models.hertz_mindlin.yade import HertzMindlinYade
 from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import CONTACTS, declare
@@ -73,4 +73,5 @@ HERTZ_MINDLIN = ContactModel(
     equations=_EQUATIONS,
     conventions=_CONVENTIONS,
     safe_time_step=safe_time_step,
+    step_factor=step_factor,
 )

@@ -22,7 +22,10 @@ _IMPACT_TIME = 4 / 5 * math.sqrt(math.pi) * math.gamma(2 / 5) / math.gamma(9 / 1
 
 #: Largest share of the Rayleigh time step at which beds come to rest with the responses of smaller
 #: steps, and the restitution at which it was measured (benchmarks/time_steps.py).
-_SAFE, _RESTITUTION = 0.2, 0.6
+SAFE_SHARE, _RESTITUTION = 0.2, 0.6
+#: Young's modulus over the largest stress of the bed in which it was measured, and of the stiffest
+#: bed.
+_SOFT_BED, _STIFF_BED = 250.0, 6_800.0
 #: The same where the restitution is not known.
 _USUALLY_SAFE = 0.12
 
@@ -109,7 +112,7 @@ def damping_factor(restitution: float) -> float:
     return -logarithm / math.hypot(logarithm, math.pi)
 
 
-def safe_time_step(material: Mapping[str, float]) -> float:
+def safe_time_step(material: Mapping[str, float], stiffness_ratio: float | None = None) -> float:  # noqa: ARG001
     """Return the largest safe share of the Rayleigh time step, by the lowest restitution.
 
     The damping force lags by half a step, so that a mode of frequency w and damping ratio z is
@@ -122,6 +125,8 @@ def safe_time_step(material: Mapping[str, float]) -> float:
     ----------
     material : mapping of str to float
         Values by dotted name. Without both restitutions, a share that is usually safe.
+    stiffness_ratio : float, optional
+        Of no effect.
 
     References
     ----------
@@ -155,7 +160,7 @@ def safe_share(frequency: float, damping_ratio: float) -> float:
         Damping over the critical damping of the mode.
     """
     stable = _stable_step(damping_ratio) / _stable_step(_sliding_damping_ratio(_RESTITUTION))
-    return _SAFE if frequency <= stable else _SAFE * stable / frequency
+    return SAFE_SHARE if frequency <= stable else SAFE_SHARE * stable / frequency
 
 
 def _stable_step(damping_ratio: float) -> float:
@@ -165,6 +170,28 @@ def _stable_step(damping_ratio: float) -> float:
 
 def _sliding_damping_ratio(restitution: float) -> float:
     return math.sqrt(35 / 12) * damping_factor(restitution)
+
+
+def step_factor(material: Mapping[str, float], radius: float, stress: float | None) -> float:  # noqa: ARG001
+    """Return how much larger a safe step is in a bed than in the soft one that was measured.
+
+    The stiffness of a Hertz contact follows (stress / E)^(1/3), the Rayleigh time step does not.
+    So the share of it that is stable follows (E / stress)^(1/6). Measured in beds of 250 to 6,800,
+    above which it does not grow any more.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        Values by dotted name.
+    radius : float
+        Of no effect.
+    stress : float or None
+        Largest stress of the bed, Pa; None where it is not known.
+    """
+    if stress is None:
+        return 1.0
+    number = min(material["particle.youngs_modulus"] / stress, _STIFF_BED)
+    return float(number / _SOFT_BED) ** (1 / 6)
 
 
 def impact_overlap(

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.model import particle_moduli
-from grainfit.contact_models.yade import YadeArgument, YadeKeywords
+from grainfit.contact_models.yade import YadeArgument, YadeFunctors, YadeKeywords
 from grainfit.materials.equations import Equation
 
 #: R* of a particle on a wall in YADE over its radius; on a ``Facet`` it is two thirds.
@@ -18,6 +18,9 @@ _LEAST_COMPLIANCE = 1e-30
 class HertzMindlinYade(YadeKeywords):
     """``en`` and ``frictAngle`` of ``Ip2_FrictMat_FrictMat_MindlinPhys``."""
 
+    functors = YadeFunctors(
+        "FrictMat", "Ip2_FrictMat_FrictMat_MindlinPhys", "Law2_ScGeom_MindlinPhys_Mindlin"
+    )
     difference = (
         "YADE keeps the tangential force while a contact unloads: steep impacts, which stick (5° "
         "from the normal), rebound with up to 11 % less tangential speed, and contacts that stick "
@@ -44,6 +47,21 @@ class HertzMindlinYade(YadeKeywords):
             "it limits the spring; the dashpot acts beside it while the contact sticks",
         ),
     )
+
+    def particle(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (names only)
+        """Return the elasticity of the particles."""
+        return (
+            YadeArgument("young", 'PARAMETERS["particle.youngs_modulus"]'),
+            YadeArgument("poisson", 'PARAMETERS["particle.poissons_ratio"]'),
+        )
+
+    def wall(self, contact: Contact, particles: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002
+        """Return the elasticity with which contacts are as stiff as those with the real wall."""
+        young = wall_modulus(contact.material)
+        return (
+            YadeArgument("young", f"{young}", "Pa, not that of the real wall: see above"),
+            YadeArgument("poisson", f"{contact.material['particle.poissons_ratio']}"),
+        )
 
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (names only)
         """Return restitution and friction angle of all pairs."""

@@ -16,6 +16,7 @@ from grainfit.contact_models.registry import (
     material_parameter,
     parameters_of_walls,
     simulated_material,
+    size_faults,
     with_defaults,
 )
 from grainfit.errors import InputError
@@ -27,6 +28,7 @@ from grainfit.materials.parameters import BODY_PARAMETERS, MaterialParameter
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import PLAIN, plain_name, wall_of, walls_among
 from grainfit.solvers.dem import messages
+from grainfit.solvers.dem.sphere_types import is_one_size
 
 _DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 #: Parameters of particles and walls that influence contacts.
@@ -42,7 +44,7 @@ def origin(card: MaterialCard, solver: str) -> str:
 
 def equations(card: MaterialCard, solver: str) -> str:
     """Return comments with the contact law as the solver computes it, and its conventions."""
-    law = contact_law(with_defaults(card.values), card.contact_models)
+    law = contact_law(with_defaults(card.values), card.contact_models).in_solver(solver)
     found = law.equations(solver)
     used = {symbol for equation in found for symbol in equation.symbols}
     return comments(
@@ -113,6 +115,10 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
     if faults:
         raise InputError(faults)
     law = contact_law(values, card.contact_models)
+    if card.sizes is not None and (
+        faults := size_faults(law, solver, is_one_size=is_one_size(card.sizes))
+    ):
+        raise InputError(faults)
     # Without a plain wall, nothing is made of its defaults.
     walls = walls_of_card(card)
     values = {n: v for n, v in values.items() if wall_of(n) is None or wall_of(n) in walls}

@@ -37,6 +37,8 @@ from grainfit.contact_models.registry import (
     non_default_models,
     parameters_of_walls,
     simulated_material,
+    size_faults,
+    unfit_faults,
     with_defaults,
 )
 from grainfit.errors import (
@@ -56,6 +58,7 @@ from grainfit.scenes.run_output import SNAPSHOTS, RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem import messages
+from grainfit.solvers.dem.sphere_types import is_one_size
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.parts import PartsOnWalls
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
@@ -134,7 +137,13 @@ class DeckSolver(Solver):
         if shape is not None and shape.aspect_ratio is not None:
             self.material.setdefault(ASPECT_RATIO, shape.aspect_ratio)
         self._require_possible(self.material)
-        faults = [*self._material_faults(self.material), *inactive_faults(self.material, named)]
+        law = contact_law(self.material, self.contact_models)
+        one_size = is_one_size(test.sizes)
+        faults = [
+            *self._material_faults(self.material),
+            *inactive_faults(self.material, named),
+            *size_faults(law, self.name, is_one_size=one_size),
+        ]
         if faults:
             raise InputError(faults)
         self.ranks = ranks
@@ -312,6 +321,9 @@ class DeckSolver(Solver):
         largest = {*COHESION, ASPECT_RATIO}
         softest = {name: ends[plain_name(name) in largest] for name, ends in intervals.items()}
         faults += self._cohesion_faults({**self.material, **softest})
+        largest_values = {**self.material, **{name: ends[1] for name, ends in intervals.items()}}
+        law = contact_law(largest_values, self.contact_models)
+        faults += unfit_faults(law, largest_values, self.name)
         return list(dict.fromkeys(faults))
 
     def _material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:

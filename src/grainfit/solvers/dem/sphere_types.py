@@ -81,6 +81,11 @@ class SphereTypes:
         return particle_mass(material, self.diameters[number - 1] / 2)
 
 
+def is_one_size(sizes: ParticleSizes) -> bool:
+    """Return whether all particles are spheres of one diameter."""
+    return len(sizes.diameters) == 1 and sizes.shape is None
+
+
 def _heavy(contact: Contact, mass: float, load: float) -> Contact:
     """Return a contact whose density makes a sphere as heavy as its clump."""
     density = mass / (4 / 3 * math.pi * contact.radius**3)

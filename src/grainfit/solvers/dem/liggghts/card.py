@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
+from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.walls import material_on, on_wall
@@ -9,10 +12,12 @@ from grainfit.solvers.dem.card_clumps import clump_lines, liggghts_template
 from grainfit.solvers.dem.card_parts import (
     fill_card,
     require_material,
+    require_sizes,
     simulated_card,
     variables,
     walls_of_card,
 )
+from grainfit.solvers.dem.sphere_types import SphereTypes
 
 _TAKEN = ("rayleigh_time_step", "recommended_time_step", "contact_model")
 #: Young's moduli, Pa, beyond which LIGGGHTS requires a confirmation.
@@ -37,6 +42,7 @@ def render_liggghts(card: MaterialCard) -> str:
     walls = walls_of_card(card)
     walls_moduli = [values[on_wall("wall.youngs_modulus", wall)] for wall in walls]
     moduli = [values["particle.youngs_modulus"], *walls_moduli]
+    contacts = _contacts(card, values, walls) if law.with_sizes("liggghts") else []
     return fill_card(
         "liggghts",
         card,
@@ -47,6 +53,20 @@ def render_liggghts(card: MaterialCard) -> str:
             "hard": max(moduli) > _HARD,
             "contact_model": liggghts_model(law),
             "walls": walls,
-            "properties": liggghts_properties(law, [material_on(texts, wall) for wall in walls]),
+            "properties": liggghts_properties(
+                law, [material_on(texts, wall) for wall in walls], contacts
+            ),
         },
     )
+
+
+def _contacts(
+    card: MaterialCard, values: Mapping[str, float], walls: Sequence[str]
+) -> list[Contact]:
+    """Return the contact of two particles, and those with the walls."""
+    sphere = SphereTypes.mean_of(require_sizes(card, "liggghts"))
+    on_walls = (material_on(values, wall) for wall in walls)
+    return [
+        sphere.between(values, 1, 1, card.gravity),
+        *(sphere.on_wall(own, 1, card.gravity) for own in on_walls),
+    ]

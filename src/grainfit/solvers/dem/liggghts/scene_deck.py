@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
 
+from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import InputError
 from grainfit.scenes.run_output import snapshot_file
@@ -17,6 +18,7 @@ from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.liggghts.multispheres import INSERTION, SHARE, SURPLUS, Multispheres
 from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
 from grainfit.solvers.dem.script_syntax import command, continued, heading
+from grainfit.solvers.dem.sphere_types import SphereTypes
 
 #: Concepts that LIGGGHTS does not have, with the reason and what to use instead.
 MISSING: Mapping[str, str] = {
@@ -176,7 +178,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         names = "".join(f", {n} {name}" for n, name in enumerate(surfaces, 2))
         yield heading(f"materials: 1 particles{names}")
         materials = [self.scene.material_on(name) for name in surfaces]
-        properties = liggghts_properties(self.law, materials)
+        properties = liggghts_properties(self.law, materials, list(self._kinds_of_contact(materials)))
         for name, values in properties.bodies.items():
             row = " ".join(map(str, values))
             key = properties.keys[name]
@@ -188,6 +190,12 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield command("pair_coeff", "* *")
         if self.clumps is not None:
             yield from self.clumps.define()
+
+    def _kinds_of_contact(self, materials: Iterable[Mapping[str, float]]) -> Iterator[Contact]:
+        """Iterate over the contact of two particles, and those with walls of some materials."""
+        sphere, gravity = SphereTypes.mean_of(self.scene.sizes), self.scene.weight_gravity
+        yield sphere.between(self.scene.material_on(WALL), 1, 1, gravity)
+        yield from (sphere.on_wall(material, 1, gravity) for material in materials)
 
     # --- walls ---------------------------------------------------------------------------------
 

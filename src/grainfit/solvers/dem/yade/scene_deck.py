@@ -9,8 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from grainfit.contact_models.contact import Contact
-from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
-from grainfit.contact_models.yade import YadeArgument, yade_law, yade_on_wall, yade_physics
+from grainfit.contact_models.yade import (
+    YadeArgument,
+    yade_body,
+    yade_law,
+    yade_on_wall,
+    yade_physics,
+)
 from grainfit.errors import InputError
 from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
 from grainfit.scenes.film import FILM
@@ -99,7 +104,7 @@ class YadeSceneDeck(SceneDeck):
             A period is too short, or a radial force is recorded of another wall than a tube.
         """
         scene = self.scene
-        contact = self._between_particles()
+        contact, body = self._between_particles(), yade_body(self.law)
         first_walls = [line for item in scene.walls.items() for line in self._put(*item)]
         stages = [line for stage in scene.stages for line in self._stage(stage)]
         return fill(
@@ -122,7 +127,9 @@ class YadeSceneDeck(SceneDeck):
                 "parameters": sorted(scene.material_on("wall").items()),
                 "surfaces": [(name, dict(own)) for name, own in sorted(scene.surfaces.items())],
                 "quoted": repr,
-                "wall_materials": list(self._wall_materials()),
+                "functors": body.functors,
+                "particle": body.particle(contact),
+                "wall_materials": list(self._wall_materials(contact)),
                 "physics": yade_physics(self.law, contact),
                 "law": ", ".join(f"{n}={v}" for n, v, _ in yade_law(self.law, contact)),
                 "rolling": list(self._rolling()),
@@ -173,12 +180,13 @@ class YadeSceneDeck(SceneDeck):
         interval = self.scene.film_interval
         return 0 if interval is None else self.scene.steps(interval)
 
-    def _wall_materials(self) -> Iterator[tuple[str, float, float]]:
-        """Iterate over surface, Young's modulus and Poisson's ratio."""
+    def _wall_materials(self, particles: Contact) -> Iterator[tuple[str, str]]:
+        """Iterate over surfaces and the values of their material."""
+        scene, body = self.scene, yade_body(self.law)
         for surface in self._surfaces():
-            material = self.scene.material_on(surface)
-            young = wall_modulus(material)
-            yield surface, young, material["particle.poissons_ratio"]
+            material = scene.material_on(surface)
+            contact = self._sphere.on_wall(material, 1, scene.weight_gravity, scene.typical_load)
+            yield surface, ", ".join(a.value for a in body.wall(contact, particles))
 
     def _surfaces(self) -> list[str]:
         return list(dict.fromkeys(wall.surface for wall in self.scene.all_walls().values()))
