@@ -7,7 +7,8 @@ and started again.
         [--models epsd2 epsd "epsd 0.25"] [--fractions 0.12 0.16 0.2 0.25 0.3]
         [--sliding 0.5] [--frictions 0.2 1] [--restitutions 0.6] [--moduli 0.36e6] [--table]
 
-``"epsd 0.25"`` is EPSD with a rolling damping of 0.25, ``epsd`` the same without. Prints, for each
+``"epsd 0.25"`` is EPSD with a rolling damping of 0.25, ``epsd`` the same without; ``"linear epsd"``
+has linear springs. Prints, for each
 setting and solver, how many runs at each share of the Rayleigh time step gave responses, and the
 mean of each response with its standard error, and its difference from the shortest step.
 """
@@ -53,10 +54,11 @@ class Run(NamedTuple):
 
 def material_of(run: Run) -> Mapping[str, float]:
     """Return rough spheres with rolling friction, rolling damping and restitution of a run."""
-    name, _, damping = run.model.partition(" ")
+    *_, damping = ["0", *(word for word in run.model.split() if not word.isidentifier())]
     rest = {k: v for k, v in ROUGH_SPHERES.items() if not k.endswith("rolling_damping")}
     contacts = ("particle_particle", "particle_wall")
-    dashpot = {f"{c}.rolling_damping": float(damping or 0) for c in contacts if name == "epsd"}
+    has_dashpot = "epsd" in run.model.split()
+    dashpot = {f"{c}.rolling_damping": float(damping) for c in contacts if has_dashpot}
     bounce = {f"{c}.restitution": run.restitution for c in contacts}
     changes = {**dashpot, **bounce, "particle.youngs_modulus": run.youngs_modulus}
     friction = {
@@ -73,7 +75,7 @@ def record_of(run: Run) -> dict[str, Any]:
         **(ROUGH_PLATE if run.test == "heap" else {}),
         time_step_fraction=run.fraction,
     )
-    chosen = [run.model.partition(" ")[0]]
+    chosen = [word for word in run.model.split() if word.isidentifier()]
     program = DEM_PROGRAMS[run.solver](test, material_of(run), contact_models=chosen)
     return simulate(program, run.seed)
 

@@ -19,6 +19,8 @@ _USUAL_LAYERS = 7.0
 #: Power of Young's modulus that the number of time steps of a run follows, up to the stiffest bed:
 #: that of the Rayleigh time step, less that of the share of it that is safe.
 STEPS_BY_MODULUS = 1 / 2 - 1 / 6
+#: Smallest share that is rounded down to a percent.
+_PERCENT = 0.01
 _LOWER_IS_WORSE = (".restitution", ".youngs_modulus")
 
 
@@ -74,8 +76,9 @@ def usual_time_step_fraction(
     The safe one with every free parameter, rounded down, because it is part of a run's identity.
     See `least_stable` and `safe_time_step_fraction`.
     """
-    safe = safe_time_step_fraction(test, least_stable(intervals), contact_models)
-    return math.floor(100 * safe + 1e-9) / 100
+    safe = min(safe_time_step_fraction(test, least_stable(intervals), contact_models), 1.0)
+    digits = 100 if safe >= _PERCENT else 10_000
+    return math.floor(digits * safe + 1e-9) / digits
 
 
 def with_safe_time_step(

@@ -355,8 +355,9 @@ def _note_parameters_without_effect(values: Values, place: Place) -> None:
     # Those that would act anyway too: of a kind with several, the others are not meant.
     chosen = _named_models(values)
     without_effect = inactive_parameters(chosen)
-    for name in sorted(material_values(values)):
-        if plain_name(name) in without_effect:
+    for name, value in sorted(material_values(values).items()):
+        # What could not be read has been noted.
+        if plain_name(name) in without_effect and value is not None:
             fault = no_effect(name, chosen)
             place.at(*name.split(".")).fault(fault.message, fault.remedy)
 

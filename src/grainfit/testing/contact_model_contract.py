@@ -395,9 +395,7 @@ class LinearContract(ContactModelContract):
 
     def test_sliding_decelerates_with_the_friction_of_the_floor(self, simulate: Simulate) -> None:
         start = _on_floor(MASS * GRAVITY / 1500.0, (0.5, 0.0, 0.0))
-        motion = simulate(
-            [start], 0.05, {"particle_wall.sliding_friction": 0.2}, gravity=GRAVITY
-        )
+        motion = simulate([start], 0.05, {"particle_wall.sliding_friction": 0.2}, gravity=GRAVITY)
         lost = 0.5 - motion.velocities[-1, 0, 0]
         assert lost == pytest.approx(0.2 * GRAVITY * 0.05, rel=0.03)
 

@@ -94,9 +94,7 @@ def _rolling_spring(
     return RollingSpring(stiffness, damping)
 
 
-def safe_time_step(
-    material: Mapping[str, float], stiffness_ratio: float | None = None
-) -> float:
+def safe_time_step(material: Mapping[str, float], stiffness_ratio: float | None = None) -> float:
     """Return the share of the Rayleigh time step that is safe for rolling spring and dashpot.
 
     Two equal spheres that turn against each other have the rolling frequency

@@ -26,8 +26,10 @@ SAFE_SHARE, _RESTITUTION = 0.2, 0.6
 #: Young's modulus over the largest stress of the bed in which it was measured, and of the stiffest
 #: bed.
 _SOFT_BED, _STIFF_BED = 250.0, 6_800.0
-#: The same where the restitution is not known.
+#: Share that is safe where the restitution is not known.
 _USUALLY_SAFE = 0.12
+#: Damping ratio of rolling in place over that of a normal impact: sqrt(7/2) sqrt(5/6).
+_SLIDING_DAMPING = math.sqrt(35 / 12)
 
 
 @dataclass(frozen=True)
@@ -141,12 +143,27 @@ def safe_time_step(material: Mapping[str, float], stiffness_ratio: float | None 
     ... ]
     [0.108, 0.128, 0.165, 0.2]
     """
+    return share_by_restitution(material, _SLIDING_DAMPING)
+
+
+def share_by_restitution(material: Mapping[str, float], sliding_damping: float) -> float:
+    """Return the share of the Rayleigh time step that is safe by the lowest restitution.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        Values by dotted name. Without both restitutions, a share that is usually safe.
+    sliding_damping : float
+        Damping ratio of rolling in place over that of a normal impact.
+    """
     names = ("particle_particle.restitution", "particle_wall.restitution")
     found = [same_on_walls(name, material) for name in names]
     if not all(found):
         return _USUALLY_SAFE
     lowest = min(material[name] for names_on_walls in found for name in names_on_walls)
-    return safe_share(1.0, _sliding_damping_ratio(lowest))
+    ratios = [sliding_damping * damping_factor(e) for e in (lowest, _RESTITUTION)]
+    stable = _stable_step(ratios[0]) / _stable_step(ratios[1])
+    return SAFE_SHARE * min(1.0, stable)
 
 
 def safe_share(frequency: float, damping_ratio: float) -> float:
@@ -159,17 +176,14 @@ def safe_share(frequency: float, damping_ratio: float) -> float:
     damping_ratio : float
         Damping over the critical damping of the mode.
     """
-    stable = _stable_step(damping_ratio) / _stable_step(_sliding_damping_ratio(_RESTITUTION))
+    usual = _SLIDING_DAMPING * damping_factor(_RESTITUTION)
+    stable = _stable_step(damping_ratio) / _stable_step(usual)
     return SAFE_SHARE if frequency <= stable else SAFE_SHARE * stable / frequency
 
 
 def _stable_step(damping_ratio: float) -> float:
     """Return the largest stable step of a damped mode over that of an undamped one."""
     return math.hypot(1, damping_ratio) - damping_ratio
-
-
-def _sliding_damping_ratio(restitution: float) -> float:
-    return math.sqrt(35 / 12) * damping_factor(restitution)
 
 
 def step_factor(material: Mapping[str, float], radius: float, stress: float | None) -> float:  # noqa: ARG001
@@ -191,7 +205,7 @@ def step_factor(material: Mapping[str, float], radius: float, stress: float | No
     if stress is None:
         return 1.0
     number = min(material["particle.youngs_modulus"] / stress, _STIFF_BED)
-    return float(number / _SOFT_BED) ** (1 / 6)
+    return float((number / _SOFT_BED) ** (1 / 6))
 
 
 def impact_overlap(

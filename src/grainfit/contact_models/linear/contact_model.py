@@ -6,7 +6,7 @@ from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.contact_models.linear.lammps import LinearLammps
 from grainfit.contact_models.linear.liggghts import LINEAR_LIGGGHTS
-from grainfit.contact_models.linear.model import springs, step_factor
+from grainfit.contact_models.linear.model import safe_time_step, springs, step_factor
 from grainfit.contact_models.linear.yade import LinearYade
 from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import CONTACTS, declare
@@ -73,7 +73,7 @@ LINEAR = ContactModel(
         ),
         Convention("tangential_stiffness", "k_t_given", "k_t of every contact; 0: none"),
     ),
-    safe_time_step=HERTZ_MINDLIN.safe_time_step,
+    safe_time_step=safe_time_step,
     step_factor=step_factor,
     springs=springs,
 )

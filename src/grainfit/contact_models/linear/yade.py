@@ -52,7 +52,9 @@ class LinearYade(YadeKeywords):
     def wall(self, contact: Contact, particles: Contact) -> Sequence[YadeArgument]:
         """Return the coefficients of a wall, given its contact and that of two particles."""
         pairs = zip(_coefficients(contact), _coefficients(particles), strict=True)
-        return [YadeArgument(name, f"{_missing(found, 2 * own)}") for (name, found), (_, own) in pairs]
+        return [
+            YadeArgument(name, f"{_missing(found, 2 * own)}") for (name, found), (_, own) in pairs
+        ]
 
     def physics(self, contact: Contact) -> Sequence[YadeArgument]:  # noqa: ARG002 (names only)
         """Return the friction angle of all pairs."""

@@ -58,9 +58,9 @@ from grainfit.scenes.run_output import SNAPSHOTS, RunOutput
 from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem import messages
-from grainfit.solvers.dem.sphere_types import is_one_size
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.parts import PartsOnWalls
+from grainfit.solvers.dem.sphere_types import is_one_size
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 from grainfit.solvers.run_cost import RunCost
 from grainfit.units import UnitError, to_unit

@@ -178,7 +178,9 @@ class LiggghtsSceneDeck(ScriptDeck):
         names = "".join(f", {n} {name}" for n, name in enumerate(surfaces, 2))
         yield heading(f"materials: 1 particles{names}")
         materials = [self.scene.material_on(name) for name in surfaces]
-        properties = liggghts_properties(self.law, materials, list(self._kinds_of_contact(materials)))
+        properties = liggghts_properties(
+            self.law, materials, list(self._kinds_of_contact(materials))
+        )
         for name, values in properties.bodies.items():
             row = " ".join(map(str, values))
             key = properties.keys[name]
