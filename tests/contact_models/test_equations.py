@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -21,11 +22,16 @@ from grainfit.contact_models.hertz_mindlin.model import (
 from grainfit.contact_models.jkr.model import force_at, unloaded_contact_radius
 from grainfit.contact_models.jkr.model import pull_off_force as jkr_pull_off
 from grainfit.contact_models.lammps import lammps_clauses
+from grainfit.contact_models.liggghts import liggghts_properties
+from grainfit.contact_models.linear.model import (
+    damping_ratio_without_pull,
+    restitution_without_pull,
+)
 from grainfit.contact_models.mass_damping import mass_damping
-from grainfit.contact_models.registry import contact_law
+from grainfit.contact_models.registry import contact_law, with_defaults
 from grainfit.contact_models.sjkr.model import sphere_area
 from grainfit.contact_models.sjkr2.model import area_over_overlap
-from grainfit.contact_models.yade import yade_physics
+from grainfit.contact_models.yade import yade_body, yade_physics
 from grainfit.materials.equations import Equation
 from grainfit.materials.time_step import RAYLEIGH_EQUATIONS, rayleigh_time_step
 from grainfit.testing.contact_model_contract import BEADS
@@ -40,6 +46,7 @@ CONTACTS = {
 DELTA = 2e-4
 #: A motion, in SI units.
 MOTION = {"v_n": 0.2, "v_t": 0.1, "xi": 1e-5, "theta": 1e-3, "omega_r": 3.0}
+_SPRINGS = ("normal stiffness", "tangential spring")
 #: Thornton, Cummins & Cleary (2013), table 2.
 THORNTON = (-6.918798, -16.41105, 146.8049, -796.4559, 2928.711, -7206.864, 11494.29)
 THORNTON += (-11342.18, 6276.757, -1489.915)
@@ -85,12 +92,19 @@ def test_forces_are_those_of_hertz_and_mindlin(contact: Contact) -> None:
 
 @pytest.mark.parametrize("restitution", [0.3, 0.55, 0.9])
 @pytest.mark.parametrize("solver", ["lammps", "liggghts", "yade"])
-def test_an_impact_by_the_equations_has_the_restitution(solver: str, restitution: float) -> None:
-    law, contact = contact_law(BEADS), CONTACTS["spheres"]
+@pytest.mark.parametrize("model", ["hertz_mindlin", "linear"])
+def test_an_impact_by_the_equations_has_the_restitution(
+    solver: str, restitution: float, model: str
+) -> None:
+    law = contact_law(BEADS, [model]).in_solver(solver)
+    contact = replace(CONTACTS["spheres"], material=with_defaults(BEADS))
     steepness = sum(h * restitution ** (n + 1) for n, h in enumerate(THORNTON))
     given = symbols_of(law, contact) | MOTION
     given |= {"e": restitution, "h": steepness, "F_s": 0.0, "eta": 0.0}
-    overlap, speed, step = 1e-9, 0.3, 2e-5
+    if model == "linear":
+        given["b"] = damping_ratio_without_pull(restitution)
+    # Linear springs from the same Young's modulus are stiffer.
+    overlap, speed, step = 1e-9, 0.3, 5e-6 if model == "linear" else 2e-5
     while overlap > 0:
         found = evaluate(law.equations(solver), given | {"delta": overlap, "v_n": speed})
         speed -= found["normal force"] / contact.effective_mass * step
@@ -160,6 +174,71 @@ def test_arguments_of_yade_are_those_of_its_equations(rolling: str) -> None:
     assert float(given["krot"]) == pytest.approx(found["rolling spring"])
     share = found["normal force"] / usual["normal force"]
     assert found["rolling limit"] == pytest.approx(share * usual["rolling limit"])
+
+
+@each_contact
+@pytest.mark.parametrize("given", [{}, {"normal_stiffness": 900.0, "tangential_stiffness": 250.0}])
+def test_linear_springs_are_those_of_their_equations(
+    contact: Contact, given: dict[str, float]
+) -> None:
+    changes = {f"particle_{contact.body}.{k}": v for k, v in given.items()}
+    material = with_defaults({**BEADS, **changes})
+    contact = replace(contact, material=material)
+    law = contact_law(material, ["linear"])
+    contact = law.with_springs(contact)
+    assert contact.springs is not None
+    symbols = {"k_n": contact.springs.normal, "k_t": contact.springs.tangential} if given else {}
+    found = evaluate(
+        [e for e in law.equations("lammps") if not given or e.term not in _SPRINGS],
+        symbols_of(law, contact) | MOTION | {"delta": DELTA} | symbols,
+    )
+    springs = contact.springs
+    if given:
+        assert (springs.normal, springs.tangential) == (900.0, 250.0)
+    else:
+        assert found["normal stiffness"] == pytest.approx(springs.normal)
+        assert found["tangential spring"] == pytest.approx(springs.tangential)
+    assert found["elastic force"] == pytest.approx(springs.normal * DELTA)
+
+    clauses = {c.split()[0]: c.split()[2:] for c in lammps_clauses(law, contact)[1:]}
+    stiffness, damping, friction = map(float, clauses["tangential"])
+    assert stiffness == pytest.approx(springs.tangential)
+    assert damping == pytest.approx(found["tangential damping"] / found["normal damping"])
+    assert friction == contact.value("sliding_friction")
+    stiffness, damping, _ = map(float, clauses["rolling"])
+    radius = contact.effective_radius
+    assert stiffness * radius**2 == pytest.approx(found["rolling spring"])
+    assert damping * radius**2 == pytest.approx(found["rolling damping"])
+    tangential = lammps_clauses(contact_law(material, ["linear", "epsd2"]), contact)[-1].split()[2]
+    assert float(tangential) == pytest.approx(springs.tangential)
+
+    properties = liggghts_properties(law, [material], [contact, contact])
+    values = {name: matrix[0][0] for name, matrix in properties.pairs.items()}
+    assert values["kn"] == pytest.approx(springs.normal)
+    assert values["kt"] == pytest.approx(springs.tangential)
+    mass = contact.effective_mass
+    assert values["gamman"] * mass == pytest.approx(found["normal damping"])
+    assert values["gammat"] * mass == pytest.approx(found["tangential damping"])
+
+
+def test_bodies_of_yade_give_contacts_the_linear_springs() -> None:
+    material = {**BEADS, "particle_wall.normal_stiffness": 5000.0}
+    law = contact_law(material, ["linear"])
+    particles = Contact.between(material, 0.005, 0.005, GRAVITY)
+    on_wall = Contact.on_wall(material, 0.005, GRAVITY)
+    body = yade_body(law)
+    own = {a.name: float(a.value) for a in body.particle(particles)}
+    wall = {a.name: float(a.value) for a in body.wall(on_wall, particles)}
+    for contact, other in ((particles, own), (on_wall, wall)):
+        springs = law.with_springs(contact).springs
+        assert springs is not None
+        assert 1 / (1 / own["kn"] + 1 / other["kn"]) == pytest.approx(springs.normal)
+        assert 1 / (1 / own["ks"] + 1 / other["ks"]) == pytest.approx(springs.tangential)
+        damping = 1 / (1 / own["cn"] + 1 / other["cn"])
+        critical = 2 * math.sqrt(springs.normal * contact.effective_mass)
+        assert restitution_without_pull(damping / critical) == pytest.approx(
+            contact.value("restitution")
+        )
 
 
 @each_contact

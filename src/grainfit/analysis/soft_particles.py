@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
 from grainfit.bulk_tests.base import BulkTest
@@ -11,6 +11,7 @@ from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import OverlapLaw, overlap_law, stiffness_number
 from grainfit.bulk_tests.time_steps import STEPS_BY_MODULUS
 from grainfit.checks import Found, check
+from grainfit.contact_models.registry import is_load_dependent
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, number
 from grainfit.problem import Problem
@@ -29,8 +30,23 @@ _PROPORTIONAL = 0.5
 @check("soft-particles")
 def soft_particles(context: CheckContext) -> Iterator[Found]:
     """Soft particles, whose overlap adds 1 % or more to a response."""
-    for note in stiffness_notes(context.problem, context.bulk_tests, context.fixed):
+    found = [solver.contact_models for solver in context.solvers.values()]
+    tests = of_hertz(context.bulk_tests, *found)
+    for note in stiffness_notes(context.problem, tests, context.fixed):
         yield MODULUS, note
+
+
+def of_hertz(tests: Mapping[str, BulkTest], *chosen: Iterable[str]) -> dict[str, BulkTest]:
+    """Return the tests if their contacts are those of Hertz, of which overlaps were measured.
+
+    Parameters
+    ----------
+    tests : mapping of str to BulkTest
+        By name.
+    *chosen : iterable of str
+        Contact models of each solver that replace the usual ones.
+    """
+    return dict(tests) if all(is_load_dependent(models) for models in chosen) else {}
 
 
 def stiffness_notes(
@@ -46,7 +62,8 @@ def stiffness_notes(
     problem : Problem
         Free parameters and targets.
     tests : mapping of str to BulkTest
-        All tests that are simulated, by name; of models of the user nothing is known.
+        All tests that are simulated, by name; of models of the user, and of contacts other than
+        Hertz's (`of_hertz`), nothing is known.
     fixed : mapping of str to float
         Material parameters that are not free.
     answer : mapping of str to float, optional

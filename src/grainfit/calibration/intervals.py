@@ -59,9 +59,10 @@ def _with_intervals(
 ) -> Result:
     # Imported here: emcee is needed only now.
     from grainfit.analysis.analysis import analyse_parameters
-    from grainfit.analysis.soft_particles import known_biases
+    from grainfit.analysis.soft_particles import known_biases, of_hertz
 
     tests = {name: s.bulk_test for name, s in solvers.items() if s.bulk_test is not None}
+    tests = of_hertz(tests, *(solver.contact_models for solver in solvers.values()))
     try:
         found = analyse_parameters(
             problem,

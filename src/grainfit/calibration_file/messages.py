@@ -10,6 +10,10 @@ NO_TEST_HAS_RELATIVES = Message(
 FREE_MODULUS = Message(
     "needs a fixed particle.youngs_modulus.", "A free one is part of the search: leave this out."
 )
+GIVEN_STIFFNESS = Message(
+    "has no effect: {name} is given, and Young's modulus changes no contact.",
+    "Leave it out, or leave the stiffness of the springs out.",
+)
 NOT_SOFTER = Message(
     "is not below particle.youngs_modulus, {modulus} MPa.",
     "Give about a twentieth of it, or leave it out.",

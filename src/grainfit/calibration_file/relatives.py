@@ -97,6 +97,9 @@ def _softened(file: CalibrationFile) -> dict[str, float]:
     softer, stiff = file.strategy.softer, file.fixed.get(MODULUS)
     if softer is None:
         return dict(file.fixed)
+    names = [*file.fixed, *(parameter.name for parameter in file.parameters)]
+    if given := [name for name in names if name.endswith(".normal_stiffness")]:
+        raise InputError(messages.GIVEN_STIFFNESS.fault("strategy.softer", name=given[0]))
     if stiff is None:
         raise InputError(messages.FREE_MODULUS.fault("strategy.softer"))
     if softer >= stiff:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 
-from grainfit.analysis.soft_particles import stiffness_notes
+from grainfit.analysis.soft_particles import of_hertz, stiffness_notes
 from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
@@ -18,7 +18,12 @@ from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.result import ParameterInterval, ResponseResult
-from grainfit.work_folder.saved_calibration import SavedCalibration, bulk_tests_of, read_answer
+from grainfit.work_folder.saved_calibration import (
+    SavedCalibration,
+    bulk_tests_of,
+    contact_models_of,
+    read_answer,
+)
 
 
 def make_card(
@@ -46,7 +51,7 @@ def make_card(
     rayleigh = _rayleigh_time_step(parameters, sizes)
     # The bed that the card is for is not known: it may be deeper than those of the tests.
     fraction = min([TIME_STEP_FRACTION, *(found.time_step_fraction for found in conditions)])
-    tests = bulk_tests_of(reading)
+    tests = of_hertz(bulk_tests_of(reading), contact_models_of(reading))
     stiff = stiffness_notes(reading.problem, tests, reading.fixed, answer.parameters)
     return MaterialCard(
         name=reading.name,
@@ -161,10 +166,9 @@ def _contact_models(
     reading: SavedCalibration, parameters: Iterable[CardParameter]
 ) -> tuple[str, ...]:
     """Contact models of the runs: chosen ones, the same in all tests of a file, and usual ones."""
-    models = (record.definition.model for record in reading.records.values())
-    chosen = dict.fromkeys(name for m in models for name in m.get("contact_models", ()))
     values = {parameter.name: parameter.value for parameter in parameters}
-    return tuple(model.name for model in contact_law(values, chosen).models)
+    law = contact_law(values, contact_models_of(reading))
+    return tuple(model.name for model in law.models)
 
 
 def _date(reading: SavedCalibration) -> str:

@@ -181,6 +181,11 @@ def contact_law(
     return ContactLaw(tuple(model for of_kind in active for model in of_kind))
 
 
+def is_load_dependent(chosen: Iterable[str]) -> bool:
+    """Return whether the stiffness of contacts grows with the load: not that of linear springs."""
+    return all(model.springs is None for model in _named(chosen))
+
+
 def _active_of_kind(
     models: list[ContactModel], material: Mapping[str, float], chosen: tuple[str, ...]
 ) -> list[ContactModel]:

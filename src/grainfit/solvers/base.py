@@ -90,6 +90,8 @@ class Solver(ABC):
     name: str
     #: Whether runs need their own folder; in-process functions and tables do not.
     uses_folder: bool = True
+    #: Contact models that replace the usual ones, of solvers of bulk tests.
+    contact_models: tuple[str, ...] = ()
     #: Speed that run times of bulk tests are estimated from; that of a slow program by default.
     speed: ClassVar[Speed] = Speed(0.4e6)
 

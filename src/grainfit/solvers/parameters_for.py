@@ -65,6 +65,7 @@ class ParametersFor(Solver):
         self.solver = solver
         self.name = solver.name
         self.uses_folder = solver.uses_folder
+        self.contact_models = solver.contact_models
         self._fixed = dict(fixed or {})
         self._takes = takes
         self._depends_on_all = depends_on_all

@@ -10,7 +10,7 @@ import numpy as np
 
 from grainfit.analysis.analysis import Analysis, analyse
 from grainfit.analysis.posterior import Posterior
-from grainfit.analysis.soft_particles import known_biases
+from grainfit.analysis.soft_particles import known_biases, of_hertz
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.repeats import seeds_of
 from grainfit.campaign.reuse import runs_of
@@ -215,7 +215,8 @@ def analyse_runs(
     if not evaluations:
         names = ", ".join(map(str, given))
         raise InputError(messages.NO_RUN_OF_THE_FILE.fault("runs", names=names))
-    biases = known_biases(setup.problem, setup.bulk_tests, setup.file.fixed)
+    tests = of_hertz(setup.bulk_tests, setup.file.contact_models)
+    biases = known_biases(setup.problem, tests, setup.file.fixed)
     analysis = analyse(setup.problem, evaluations, seed=seed, biases=biases)
     return RunsAnalysis(setup.problem, analysis, len(evaluations), tuple(ignored))
 

@@ -125,6 +125,10 @@ SET_BESIDE_ANSWER = Message(
     "does not go with the answer of a calibration.",
     "Give the calibration file instead of the folder to set values.",
 )
+GIVEN_STIFFNESS = Message(
+    "is given, so that Young's modulus changes nothing.",
+    "Leave it out: linear springs then follow from Young's modulus.",
+)
 NO_MODULUS = Message("has no value, so there is no stiffness to study.", "Give it a value.")
 NO_SIZES = Message(
     "has no apparatus whose size can be changed.", "Own models and scenes have their own."

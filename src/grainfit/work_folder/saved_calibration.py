@@ -224,10 +224,11 @@ class SavedCalibration:
     def _analysis(self) -> Analysis:
         # Imported here: SciPy and emcee take a second, and status and exports need neither.
         from grainfit.analysis.analysis import analyse
-        from grainfit.analysis.soft_particles import known_biases
+        from grainfit.analysis.soft_particles import known_biases, of_hertz
 
         answer = (self.result.parameters if self.result else None) or None
-        biases = known_biases(self.problem, bulk_tests_of(self), self.fixed, answer)
+        tests = of_hertz(bulk_tests_of(self), contact_models_of(self))
+        biases = known_biases(self.problem, tests, self.fixed, answer)
         return analyse(self.problem, self.known, seed=self.seed, answer=answer, biases=biases)
 
 
@@ -239,6 +240,12 @@ def bulk_tests_of(saved: SavedCalibration) -> dict[str, BulkTest]:
             with suppress(InputError):
                 tests[record.test] = recreate_test(record.definition)
     return {name: test for name, test in tests.items() if test is not None}
+
+
+def contact_models_of(saved: SavedCalibration) -> tuple[str, ...]:
+    """Return the contact models of the runs that replace the usual ones, the same in all tests."""
+    models = (record.definition.model for record in saved.records.values())
+    return tuple(dict.fromkeys(name for m in models for name in m.get("contact_models", ())))
 
 
 def _saved(

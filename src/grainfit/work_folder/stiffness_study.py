@@ -122,6 +122,9 @@ def _of_answer(folder: Path, settings: Sequence[str]) -> dict[str, Any]:
 
 
 def _modulus(values: Mapping[str, float], source: str) -> float:
+    given = [name for name in values if name.endswith(".normal_stiffness") and values[name]]
+    if given:
+        raise InputError([messages.GIVEN_STIFFNESS.fault(name) for name in given], source)
     if MODULUS in values:
         return values[MODULUS]
     raise InputError(

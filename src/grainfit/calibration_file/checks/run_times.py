@@ -14,6 +14,7 @@ from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
+from grainfit.contact_models.registry import is_load_dependent
 from grainfit.errors import InputError
 from grainfit.formatting import counted, duration, number
 from grainfit.solvers.base import Solver
@@ -111,7 +112,7 @@ def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
     """Offer the softest particles whose overlaps hardly change a response."""
     modulus = context.fixed.get(MODULUS)
     tests = list(_known_tests(context))
-    if modulus is None or not tests:
+    if modulus is None or not tests or not is_load_dependent(context.contact_models):
         return
     try:
         needed = max(

@@ -11,28 +11,21 @@ from grainfit.contact_models.linear.yade import LinearYade
 from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import CONTACTS, declare
 
-#: As they are of Hertz and Mindlin.
-_SHARED = (
-    "effective Young's modulus",
-    "effective shear modulus",
-    "reduced radius",
-    "reduced mass",
-    "damping factor",
-    "normal force",
-    "force that limits friction",
-    "tangential force",
-    "sliding limit",
-)
-_EQUATIONS = (
-    *(equation for equation in HERTZ_MINDLIN.equations if equation.term in _SHARED),
-    Equation("radius of the springs", "r = min(R_1, R_2)"),
-    Equation("normal stiffness", "k_n = 2 E* r", "or normal_stiffness, where it is given"),
-    Equation("elastic force", "F_e = k_n delta"),
-    Equation("normal damping", "c_n = 2 beta sqrt(k_n m*)"),
-    Equation(
-        "tangential spring", "k_t = 4 G*/E* k_n", "or tangential_stiffness, where it is given"
+#: In place of terms of Hertz and Mindlin; the others are the same.
+_OWN = {
+    "contact radius": (
+        Equation("radius of the springs", "r = min(R_1, R_2)"),
+        Equation("normal stiffness", "k_n = 2 E* r", "or k_n_given, where it is not 0"),
     ),
-    Equation("tangential damping", "c_t = 2 beta sqrt(k_t m*)"),
+    "elastic force": (Equation("elastic force", "F_e = k_n delta"),),
+    "normal damping": (Equation("normal damping", "c_n = 2 beta sqrt(k_n m*)"),),
+    "tangential spring": (
+        Equation("tangential spring", "k_t = 4 G*/E* k_n", "or k_t_given, where it is not 0"),
+    ),
+    "tangential damping": (Equation("tangential damping", "c_t = 2 beta sqrt(k_t m*)"),),
+}
+_EQUATIONS = tuple(
+    equation for one in HERTZ_MINDLIN.equations for equation in _OWN.get(one.term, (one,))
 )
 _STIFFNESS_LIMITS = (0.0, 1e12)
 

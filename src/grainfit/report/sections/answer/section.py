@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from grainfit.analysis.soft_particles import stiffness_notes
+from grainfit.analysis.soft_particles import of_hertz, stiffness_notes
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.formatting import (
     duration,
@@ -21,7 +21,7 @@ from grainfit.report.sections.answer.next_step import next_step
 from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result, RunCounts
-from grainfit.work_folder.saved_calibration import bulk_tests_of
+from grainfit.work_folder.saved_calibration import bulk_tests_of, contact_models_of
 
 
 def answer(context: ReportContext) -> Section:
@@ -125,6 +125,7 @@ def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[
             said += [f"Metamodel of {words}: {warning}" for warning in quality.warnings]
     said += context.analysis.notes
     reading = context.reading
+    tests = of_hertz(tests, contact_models_of(reading))
     said += stiffness_notes(reading.problem, tests, reading.fixed, context.answer or None)
     shown = shown_verdict(context).details
     yield from (plain(words) for words in dict.fromkeys(said) if words not in shown)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from grainfit.contact_models.base import ContactLaw
-from grainfit.contact_models.hertz_mindlin.yade import wall_modulus
+from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.yade import (
     YadeArgument,
+    yade_body,
     yade_keywords,
     yade_law,
     yade_on_wall,
@@ -38,8 +39,8 @@ class _Wall(NamedTuple):
         Name of its variable, and its sections.
     has_density : bool
         Whether its density is known.
-    young : float
-        Young's modulus that gives contacts on a ``Wall`` their stiffness, Pa.
+    arguments : list of YadeArgument
+        Of its material.
     attributes : list of YadeArgument
         What its contacts get that no functor gives them.
     """
@@ -48,24 +49,29 @@ class _Wall(NamedTuple):
     body: str
     contact: str
     has_density: bool
-    young: float
+    arguments: Sequence[YadeArgument]
     attributes: list[YadeArgument]
 
 
 def _wall(
-    name: str, law: ContactLaw, material: Mapping[str, float], sphere: SphereTypes, gravity: float
+    name: str,
+    law: ContactLaw,
+    material: Mapping[str, float],
+    sphere: SphereTypes,
+    particles: Contact,
 ) -> _Wall:
     body, contact = (
         on_wall(f"{section}.", name).removesuffix(".") for section in ("wall", "particle_wall")
     )
     values = material_on(material, name)
+    touching = sphere.on_wall(values, 1, particles.gravity)
     return _Wall(
         f"wall_{name}" if name else "wall",
         body,
         contact,
         f"{body}.density" in material,
-        wall_modulus(values),
-        yade_on_wall(law, sphere.on_wall(values, 1, gravity)),
+        yade_body(law).wall(touching, particles),
+        yade_on_wall(law, touching),
     )
 
 
@@ -82,7 +88,8 @@ def render_yade(card: MaterialCard) -> str:
     sizes = require_sizes(card, "yade")
     sphere = SphereTypes.mean_of(sizes)
     contact = sphere.between(material, 1, 1, card.gravity)
-    keywords = yade_keywords(law)
+    keywords, body = yade_keywords(law), yade_body(law)
+    walls = [_wall(wall, law, material, sphere, contact) for wall in walls_of_card(card)]
     return fill_card(
         "yade",
         card,
@@ -94,8 +101,9 @@ def render_yade(card: MaterialCard) -> str:
             "notes": model_notes(found.notes(contact) for found in keywords),
             "physics": yade_physics(law, contact),
             "law": ", ".join(f"{name}={value}" for name, value, _ in yade_law(law, contact)),
-            "walls": [
-                _wall(wall, law, material, sphere, card.gravity) for wall in walls_of_card(card)
-            ],
+            "walls": walls,
+            "set_on_walls": any(wall.attributes for wall in walls),
+            "functors": body.functors,
+            "particle": body.particle(contact),
         },
     )
