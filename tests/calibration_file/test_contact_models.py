@@ -11,6 +11,7 @@ from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.contact_models import messages as contact_messages
+from grainfit.errors import InputError
 from grainfit.options.places import FileFault
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -118,6 +119,94 @@ def test_a_model_that_there_is_not_is_named(
     faults = faults_of(text=choosing(model, GLASS_BEADS))
     assert faults[0].key == "contact_models.rolling"
     assert "epsd" in faults[0].remedy
+
+
+#: Springs of particles and walls, and no rolling friction that YADE cannot compute beside them.
+SPRINGS = "normal_stiffness = {stiffness}\ntangential_stiffness = {tangential}\n"
+
+
+def linear(text: str = UNDAMPED, **springs: str) -> str:
+    """Return the file with linear springs, given or from Young's modulus."""
+    given = SPRINGS.format(**springs) if springs else ""
+    for section in ("[particle_particle]", "[particle_wall]"):
+        text = text.replace(section, f"{section}\nrolling_damping = 0\n{given}")
+    return text.replace("[particle]", '[contact_models]\ncontact = "linear"\n\n[particle]')
+
+
+@pytest.mark.parametrize(
+    ("text", "fraction"),
+    [
+        # The collision time follows sqrt(m / k): independent of E where the springs follow from it.
+        (linear(), 0.08),
+        (linear().replace("0.36 MPa", "10 MPa"), 0.08),
+        # Nine times as stiff, a third of the step; the springs of the modulus are 1892 N/m.
+        (linear(stiffness='"1892 N/m"', tangential='"1658 N/m"'), 0.08),
+        (linear(stiffness='"210 N/m"', tangential='"184 N/m"'), 0.24),
+        (linear(stiffness='{ min = "210 N/m", max = "1892 N/m" }', tangential="1658"), 0.08),
+        # A stiff pair does not end at 0 %.
+        (linear(stiffness='"2e6 N/m"', tangential='"1.7e6 N/m"'), 0.0025),
+        (linear().replace("0.79", "0.2"), 0.05),
+    ],
+)
+def test_the_time_step_of_linear_springs_follows_the_collision_time(
+    tmp_path: Path, text: str, fraction: float
+) -> None:
+    heap = setup_of(tmp_path, text).bulk_tests["heap"]
+
+    assert conditions_of(heap).time_step_fraction == fraction
+
+
+def test_springs_are_told_where_linear_contacts_are_not_chosen(
+    faults_of: Callable[..., list[FileFault]],
+) -> None:
+    text = linear(stiffness="900", tangential="300").replace('contact = "linear"', "")
+    faults = faults_of(text=text)
+
+    assert {fault.key.rpartition(".")[2] for fault in faults} == {
+        "normal_stiffness",
+        "tangential_stiffness",
+    }
+    assert contact_messages.NOT_CHOSEN(model="linear", kind="contact") in str(faults[0])
+
+
+SIZES = '[{ value = "8 mm", mass_fraction = 0.5 }, { value = "12 mm", mass_fraction = 0.5 }]'
+COHESIVE = '[particle_particle]\nsurface_energy = "0.1 J/m^2"'
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        ({'"lammps"': '"yade"'}, "particle_wall.rolling_friction", "use lammps or liggghts"),
+        ({"[particle_particle]": COHESIVE}, "particle_particle.surface_energy", "Set it to 0."),
+        ({'"lammps"': '"liggghts"', '"10 mm"': SIZES}, "diameter", "Use lammps"),
+    ],
+)
+def test_what_a_solver_cannot_compute_beside_linear_springs_is_refused(
+    tmp_path: Path, change: dict[str, str], key: str, words: str
+) -> None:
+    text = linear()
+    for old, new in change.items():
+        assert old in text
+        text = text.replace(old, new)
+    with pytest.raises(InputError) as caught:
+        setup_of(tmp_path, text)
+
+    [fault] = [one for one in caught.value.faults if one.key.endswith(key)]
+    assert words in fault.remedy
+
+
+def test_a_free_rolling_friction_is_refused_before_a_run_of_yade(tmp_path: Path) -> None:
+    text = linear().replace('"lammps"', '"yade"')
+    setup = setup_of(tmp_path, text.replace("rolling_friction = 0.005", "rolling_friction = 0"))
+    intervals = {p.name: (p.minimum, p.maximum) for p in setup.problem.parameters}
+    [fault] = setup.solvers["heap"].interval_faults(intervals)
+
+    assert fault.key == "particle_particle.rolling_friction"
+
+
+def test_overlaps_of_hertz_contacts_are_not_told_of_linear_springs(tmp_path: Path) -> None:
+    assert "The particles are soft" in notes_of(tmp_path, GLASS_BEADS)
+    assert "The particles are soft" not in notes_of(tmp_path, linear())
 
 
 def notes_of(folder: Path, text: str) -> str:

@@ -26,6 +26,7 @@ from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 Simulated = dict[str, list[float]]
 FRICTION = "particle_particle.rolling_friction"
 DENSITY, MODULUS = "particle.density", "particle.youngs_modulus"
+BODIES = ("particle", "wall")
 #: A small heap, in diameters.
 SMALL = {
     "cylinder_radius": 3.5,
@@ -267,3 +268,24 @@ def test_a_free_density_follows_from_a_fixed_cohesion_or_no_cohesion_says_nothin
     [run] = taken(store, Sticky(0.002, 1000.0), particle__density=(800.0, 1200.0))
     assert run.definition.parameters[DENSITY] == pytest.approx(1000.0, rel=1e-9)
     assert taken(store, FINE, particle__density=(800.0, 1200.0)) == []
+
+
+def test_linear_springs_are_the_same_where_stiffness_over_weight_is() -> None:
+    def solver(material: Material, stiffness: float) -> Lammps:
+        weight = material.density * 9.81 * material.diameter**2
+        springs = {f"particle_{body}.normal_stiffness": stiffness * weight for body in BODIES}
+        return Lammps(material.heap(), {**material.values, **springs}, contact_models=["linear"])
+
+    runs = [
+        natural_run(solver(material, stiffness).definition({}, 3))
+        for material, stiffness in ((BEADS, 900.0), (FINE, 900.0), (FINE, 1000.0))
+    ]
+    first, same, other = runs
+    assert first is not None
+    assert same is not None
+    assert other is not None
+    assert first.is_same(same)
+    assert not first.is_same(other)
+    usual = natural_run(BEADS.solver().definition({}, 3))
+    assert usual is not None
+    assert usual.model_hash != first.model_hash
