@@ -52,6 +52,13 @@ OMEGA = {
     "particle_particle.cohesion_energy_density": 5e3,
     "particle_wall.cohesion_energy_density": 3e3,
 }
+#: Springs that are given between particles, and those of Young's modulus on walls.
+SPRINGS = {
+    "particle_particle.normal_stiffness": 900.0,
+    "particle_particle.tangential_stiffness": 300.0,
+}
+#: Solvers that have them for one diameter only, and YADE without rolling friction.
+ONE_SIZE = ("liggghts", "yade")
 #: Test, contact models, and values of their own.
 LAWS: dict[str, tuple[BulkTest, tuple[str, ...], dict[str, float]]] = {
     "epsd": (HEAP, (), {}),
@@ -60,12 +67,13 @@ LAWS: dict[str, tuple[BulkTest, tuple[str, ...], dict[str, float]]] = {
     "dmt": (PACKING, ("dmt",), GAMMA),
     "sjkr": (PACKING, (), OMEGA),
     "sjkr2": (PACKING, ("sjkr2",), OMEGA),
+    "linear": (PACKING, ("linear",), SPRINGS),
 }
 
 
 def with_lammps_card(deck: str) -> str:
     """Return a deck that takes contacts, density and time step from the card."""
-    names = r"(?: &\n +)?(hertz.*?|jkr.*?|dmt.*?)"
+    names = r"(?: &\n +)?(hertz.*?|hooke.*?|jkr.*?|dmt.*?)"
     deck, pairs = re.subn(
         rf"pair_coeff +(\d) (\d){names}(?=\ngroup|\npair_coeff)",
         r"pair_coeff \1 \2 ${particle_particle_contact_\1_\2}",
@@ -99,12 +107,16 @@ def with_liggghts_card(deck: str) -> str:
 
 def with_yade_card(deck: str) -> str:
     """Return a script that takes materials, functors, contacts with walls and time step from it."""
-    names = "contact_law, contact_physics, particle, wall, set_contacts_on_walls"
+    rolls = "def set_rolling_friction()" in deck
+    names = "contact_law, contact_physics, particle, wall"
+    names += ", set_contacts_on_walls" if rolls else ""
     begin, rest = deck.split("def material(label")
     rest = rest.partition("contact_law = ")[2].partition("\n")[2]
     card = f"sys.path.insert(0, '.')\nfrom card import {names}, RECOMMENDED_TIME_STEP\n"
     own = 'O.dt = RECOMMENDED_TIME_STEP\nWALL_MATERIALS = {"wall": wall}\n'
     deck = replaced(begin, "O.dt = .*", "") + card + own + rest
+    if not rolls:
+        return deck
     deck = replaced(deck, r"# krot and eta(?:.*\n)*?    LAST_CHECK = O.iter\n", "")
     return replaced(deck, r"        set_rolling_friction\(\)", "        set_contacts_on_walls()")
 
@@ -131,20 +143,30 @@ FED = {
 }
 
 
+def bulk_test_of(name: str, law: str) -> BulkTest:
+    """Return the test of a law; of one diameter where the solver has no other."""
+    test = LAWS[law][0]
+    one = ParticleSizes((0.010,))
+    return test.with_sizes(one) if law == "linear" and name in ONE_SIZE else test
+
+
 def card_of(card: MaterialCard, name: str, law: str) -> MaterialCard:
     """Return the card of a mixture with walls of its own, in a bulk test and a contact law."""
-    test, models, changes = LAWS[law]
+    _, models, changes = LAWS[law]
+    test = bulk_test_of(name, law)
     changes = VALUES | changes
     idle = {"epsd2": "rolling_damping"}.get(law, "none")
     if name == "yade":
         # It has no rolling dashpot.
         changes["particle_wall.rolling_damping"] = 0.0
+    if (name, law) == ("yade", "linear"):
+        changes |= {f"particle_{body}.rolling_friction": 0.0 for body in ("particle", "wall")}
     values = {n: v for n, v in {**card.values, **changes}.items() if not n.endswith(idle)}
     step = test.time_step(values)
     return replace(
         card,
         parameters=tuple(CardParameter(n, "", "", "", v, "given") for n, v in values.items()),
-        sizes=SIZES,
+        sizes=test.sizes,
         recommended_time_step=step,
         rayleigh_time_step=step / test.time_step_fraction,
         contact_models=models,
@@ -178,7 +200,7 @@ def cases() -> Iterator[Any]:
 def test_a_bed_from_the_card_is_that_of_the_own_deck(
     card: MaterialCard, tmp_path: Path, name: str, law: str
 ) -> None:
-    fed, test, fed_card = FED[name], LAWS[law][0], card_of(card, name, law)
+    fed, test, fed_card = FED[name], bulk_test_of(name, law), card_of(card, name, law)
 
     def feed(deck: str) -> str:
         text = render(fed_card, name)

@@ -79,9 +79,8 @@ rolling_friction = 0.05                 # on smooth steel less; then beads roll 
 restitution = 0.82
 rolling_damping = 0.0
 
-# Linear springs, as many decks have them, in place of those of Hertz and Mindlin:
-# [contact_models]
-# contact = "linear"                    # stiffness from Young's modulus, or normal_stiffness above
+# Linear springs, as many decks have them, in place of those of Hertz and Mindlin are a section
+# [contact_models] with contact = "linear"; their stiffness can be given (normal_stiffness).
 
 """
 

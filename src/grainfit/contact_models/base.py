@@ -221,7 +221,7 @@ class ContactLaw:
         terms: dict[str, Equation] = {}
         for equation in found:
             # A spring is that of the first model that has it.
-            if self._contact.springs is None or equation.term not in {*OF_SPRINGS} & terms.keys():
+            if self.is_load_dependent or equation.term not in {*OF_SPRINGS} & terms.keys():
                 terms[equation.term] = equation
         return list(terms.values())
 
@@ -229,6 +229,11 @@ class ContactLaw:
     def _contact(self) -> ContactModel:
         """The model of normal and tangential force."""
         return self.models[0]
+
+    @property
+    def is_load_dependent(self) -> bool:
+        """Whether the stiffness of contacts grows with the load: not that of linear springs."""
+        return self._contact.springs is None
 
     def with_springs(self, contact: Contact) -> Contact:
         """Return a contact with the springs of the law, if they are the same at every load."""
@@ -306,7 +311,7 @@ class ContactLaw:
             Names of two solvers or more.
         """
         # Those of other models are differences of a stiffness that grows with the load.
-        models = self.models if self._contact.springs is None else (self._contact,)
+        models = self.models if self.is_load_dependent else (self._contact,)
         words = [keywords for model in models for keywords in model.keywords]
         found = [keywords.difference for keywords in words if keywords.solver in solvers]
         damped = [model for model in self.models if model.is_damped(material)]

@@ -81,11 +81,18 @@ def render_lammps(card: MaterialCard) -> str:
             "reach": max(sizes.outer_diameters) + 0.3 * sizes.sauter_diameter,
             "clump": clump_lines(sizes, material["particle.density"], lammps_molecule),
             "variables": list(variables(card.parameters, taken)),
-            "notes": model_notes(keywords.notes(card.gravity) for keywords in lammps_keywords(law)),
+            "notes": model_notes(_notes(law, card.gravity)),
+            "hertz": law.is_load_dependent,
             "particle_contacts": between,
             "wall_contacts": walls,
         },
     )
+
+
+def _notes(law: ContactLaw, gravity: float) -> list[str]:
+    """Return the meaning of the coefficients, with the load for which they hold if there is one."""
+    found = lammps_keywords(law)
+    return [words.notes(gravity) if law.is_load_dependent else words.legend for words in found]
 
 
 def _mole_fractions(sizes: ParticleSizes) -> str:

@@ -23,6 +23,12 @@ MISSING: Mapping[str, str] = {
 #: Height of the nearly flat cone that is a ring, over its outer radius.
 _FLAT = 1e-6
 
+#: Remark on the coefficients of walls.
+_ABOUT_WALLS = (
+    "# LAMMPS gives a wall the stiffness of the particle; the modulus below is the one at",
+    "# which that makes the contact as stiff as that of a particle with the real wall.",
+)
+
 
 class LammpsSceneDeck(ScriptDeck):
     """A scene as a deck for LAMMPS with its GRANULAR package; see `ScriptDeck`."""
@@ -149,8 +155,8 @@ class LammpsSceneDeck(ScriptDeck):
 
     def first_walls(self) -> Iterator[str]:
         """Iterate over the walls of the beginning."""
-        yield "# LAMMPS gives a wall the stiffness of the particle; the modulus below is the one at"
-        yield "# which that makes the contact as stiff as that of a particle with the real wall."
+        if self.law.is_load_dependent:
+            yield from _ABOUT_WALLS
         if self.scene.glued:
             for number in self._numbers():
                 yield command("group", f"size{number} subtract size{number} glued")
