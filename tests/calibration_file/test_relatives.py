@@ -38,7 +38,9 @@ def test_the_relative_is_the_same_test_with_the_softer_modulus(tmp_path: Path) -
 
 def test_impossible_softer_particles_are_refused_with_their_line(tmp_path: Path) -> None:
     free = GLASS_BEADS.replace('"0.36 MPa" ', '{ min = "0.1 MPa", max = "1 MPa" } ')
+    springs = GLASS_BEADS.replace("[particle_wall]", "[particle_wall]\nnormal_stiffness = 900")
     cases = {
+        "Young's modulus changes no": springs + '[contact_models]\ncontact = "linear"\n' + SOFTER,
         "not below": GLASS_BEADS + SOFTER.replace("0.09", "0.4"),
         "needs a fixed": free + SOFTER,
         "no meaning for the staged": GLASS_BEADS + SOFTER + 'name = "staged"\n',
