@@ -88,7 +88,11 @@ def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Pa
     )
     assert f"to bulk densities, it would take {time_of(softer)}" in note
     usual = setup(tmp_path, stiff)
-    assert f"of that size, it would take {time_of(usual)}" in note
+    found = re.search(r"of that size \(expected to move ([^)]*)\), it would take ([^;]*);", note)
+    assert found is not None
+    assert "bulk_density by -" in found[1]
+    assert found[2] == str(time_of(usual))
+    assert "smaller apparatus that hold 3000 particles" in note
 
 
 def test_timeout_is_noted_beside_a_test_whose_time_is_not_known(tmp_path: Path) -> None:
@@ -250,3 +254,19 @@ def test_time_of_an_own_model_is_not_known(tmp_path: Path) -> None:
     own = gf.load(EXAMPLE.parents[1] / "own_model" / "calibration.toml")
     assert time_of(own) is None
     assert describe_plan(own).seconds is None
+
+
+def test_a_long_run_offers_larger_particles_and_a_smaller_apparatus(tmp_path: Path) -> None:
+    beads = setup(tmp_path, ('type = "heap"', WIDE), ('"0.36 MPa"', '"20 MPa"'))
+    [note] = [n for n in describe_plan(beads).notes if n.startswith("Test heap: a run takes")]
+    smaller = re.search(r"strategy\.smaller = ([0-9.e-]+) searches", note)
+    assert smaller is not None
+    assert note.count("expected to move bulk_density by -") == 2
+    relative = setup(
+        tmp_path,
+        ('type = "heap"', WIDE),
+        ('"0.36 MPa"', '"20 MPa"'),
+        ("[[test]]", f"[strategy]\nsmaller = {smaller[1]}\n\n[[test]]"),
+    ).relatives["heap"]
+    assert relative.bulk_test is not None
+    assert relative.bulk_test.number_of_particles == pytest.approx(3000, rel=0.2)

@@ -1,15 +1,17 @@
-"""Runs of many small particles, which larger ones would shorten."""
+"""Runs of many particles, which larger ones or a smaller apparatus would shorten."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from grainfit.analysis.recorded_size import changes_in_words
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
+from grainfit.bulk_tests.size import TWIN, resized
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
-from grainfit.formatting import duration
+from grainfit.formatting import duration, number
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
@@ -22,7 +24,7 @@ _FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0
 
 @check("long-runs")
 def long_runs(context: CheckContext) -> Iterator[Found]:
-    """Runs that take long, with a factor of coarse graining, its time and its price."""
+    """Runs that take long; larger particles or a smaller apparatus, with time and price."""
     for name in context.solvers:
         if note := _note(name, context.solvers, context.problem):
             yield context.key(name), note
@@ -41,17 +43,50 @@ def _note(name: str, solvers: Mapping[str, Solver], problem: Problem) -> str:
         return ""
     if cost is None or cost.wall_seconds <= _LONG:
         return ""
+    offers = [*_coarser(name, solvers, problem), *_twin(name, solver, problem)]
     words = f"Test {name}: a run takes about {duration(cost.wall_seconds)}."
-    larger = _shorter(name, solvers, problem)
-    if larger is None:
-        return words
-    faster = solver.estimate_cost_of(larger[name], solver.run_parameters(middle))
-    return (
-        f"{words} With {factor_words(larger)} it takes about "
-        f"{duration(faster.wall_seconds)} ({faster.particles} particles). Larger particles in the "
-        "same apparatus shift responses, and the calibrated values hold for simulations at that "
-        "factor: compare two factors (docs/coarse_graining.md)."
+    return " ".join([words, *offers])
+
+
+def _coarser(name: str, solvers: Mapping[str, Solver], problem: Problem) -> Iterator[str]:
+    """Offer larger particles in the same apparatus, with their time and price."""
+    larger, solver = _shorter(name, solvers, problem), solvers[name]
+    if larger is None or solver.bulk_test is None:
+        return
+    faster = solver.estimate_cost_of(larger[name], solver.run_parameters(problem.middle))
+    moved = changes_in_words(solver.bulk_test, _responses(name, problem), faster.particles)
+    yield (
+        f"With {factor_words(larger)} it takes about {duration(faster.wall_seconds)} "
+        f"({faster.particles} particles). Larger particles in the same apparatus shift "
+        f"responses{moved}, and the calibrated values hold for simulations at that factor: compare "
+        "two factors (docs/coarse_graining.md)."
     )
+
+
+def _twin(name: str, solver: Solver, problem: Problem) -> Iterator[str]:
+    """Offer a smaller apparatus with the same particles, with its time and price."""
+    test = solver.bulk_test
+    if test is None or test.number_of_particles <= TWIN:
+        return
+    share = TWIN / test.number_of_particles
+    try:
+        twin = resized(test, share)
+        cost = solver.estimate_cost_of(twin, solver.run_parameters(problem.middle))
+    except InputError:
+        return
+    moved = changes_in_words(test, _responses(name, problem), cost.particles)
+    yield (
+        f"In an apparatus that holds {cost.particles} of the same particles it takes about "
+        f"{duration(cost.wall_seconds)}{moved}: strategy.smaller = {number(share, 1)} searches in "
+        "it and verifies the real one, and 'grainfit size' measures the difference (docs/size.md)."
+    )
+
+
+def _responses(name: str, problem: Problem) -> list[str]:
+    targets = [t.name for t in problem.targets]
+    if len(problem.scopes) > 1:
+        targets = [target for target in targets if problem.scope_of(target).name == name]
+    return [target.removeprefix(f"{name}.") for target in targets]
 
 
 def _shorter(

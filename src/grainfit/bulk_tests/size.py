@@ -13,6 +13,8 @@ from grainfit.errors import InputError
 from grainfit.options.fields import Amount
 
 _Test = TypeVar("_Test", bound=BulkTest)
+#: Particles of a twin of a large apparatus: its run takes a minute.
+TWIN = 3000
 
 
 @runtime_checkable

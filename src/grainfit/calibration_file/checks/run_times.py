@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from grainfit.analysis.recorded_size import changes_in_words
 from grainfit.bulk_tests.abilities import material_faults, user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.bulk_tests.size import resized
+from grainfit.bulk_tests.size import TWIN, resized
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.calibration_file.checks.context import FileContext
+from grainfit.calibration_file.checks.targets import targets_of_test
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import is_load_dependent
 from grainfit.errors import InputError
@@ -25,8 +27,6 @@ _WORTH_IT = 0.8
 #: Excess of bulk densities from overlaps that the offered modulus leaves.
 _TOLERATED_EXCESS = 0.02
 _COARSER = 2.0
-#: Particles of a twin in which a search takes minutes.
-_TWIN = 3000
 
 
 @check("short-timeout", "warning")
@@ -105,7 +105,7 @@ def _usual_size(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]
             f"the usual dimensions of the {test.type} test ({usual.number_of_particles} "
             f"particles), measured in an apparatus of that size"
         )
-        yield words, {name: seconds}
+        yield words + _moved(context, {name: usual.number_of_particles}), {name: seconds}
 
 
 def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
@@ -160,28 +160,39 @@ def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
             f"{factor_words(coarser)}, fewer and larger particles in the same apparatus "
             "(docs/coarse_graining.md)"
         )
-        yield words, seconds
+        fewer = {name: test.number_of_particles for name, test in coarser.items()}
+        yield words + _moved(context, fewer), seconds
 
 
 def _twin(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
     """Offer a search in smaller apparatus with the same particles, for targets at that size."""
-    counts, seconds = {}, {}
+    seconds: dict[str, float] = {}
+    largest = 0
     for name, solver, test in _known_tests(context):
-        if test.number_of_particles <= _TWIN:
-            continue
-        try:
-            twin = resized(test, _TWIN / test.number_of_particles)
-            seconds[name] = solver.estimate_cost_of(twin, _material(context, solver)).wall_seconds
-        except InputError:
-            continue
-        counts[name] = test.number_of_particles
+        if test.number_of_particles > TWIN:
+            try:
+                twin = resized(test, TWIN / test.number_of_particles)
+                cost = solver.estimate_cost_of(twin, _material(context, solver))
+            except InputError:
+                continue
+            seconds[name] = cost.wall_seconds
+            largest = max(largest, test.number_of_particles)
     if seconds:
-        share = number(_TWIN / max(counts.values()), 1)
-        yield (
-            f"smaller apparatus that hold {_TWIN} particles ('grainfit size' tells what that "
-            f"changes; strategy.smaller = {share} searches in them and verifies the real ones)",
-            seconds,
+        words = (
+            f"smaller apparatus that hold {TWIN} particles (strategy.smaller = "
+            f"{number(TWIN / largest, 1)} searches in them and verifies the real ones, 'grainfit "
+            "size' measures what they change)"
         )
+        yield words + _moved(context, dict.fromkeys(seconds, TWIN)), seconds
+
+
+def _moved(context: FileContext, particles: Mapping[str, float]) -> str:
+    """Return by how much responses move with these numbers of particles, as far as it is known."""
+    tests = {name: context.bulk_tests[name] for name in particles}
+    return "".join(
+        changes_in_words(test, targets_of_test(context, name, test), particles[name])
+        for name, test in tests.items()
+    )
 
 
 def _known_tests(context: FileContext) -> Iterator[tuple[str, Solver, BulkTest]]:
