@@ -1,12 +1,13 @@
 """Compare the shear cell with plane shear, with and without cohesion, and measure its travel.
 
 Rough spheres of 10 mm are sheared in the cell and in the shear test with all options at their
-defaults, without cohesion and with surface energies (``jkr``); the cell also with shorter and
-longer preshears and failures. Finished runs are kept in the file ``--kept`` and not repeated, so
-that the command can be stopped and started again.
+defaults, without cohesion and with surface energies (``jkr``), soft and stiff; the cell also with
+shorter and longer preshears and failures (``--travel``). Finished runs are kept in the file
+``--kept`` and not repeated, so that the command can be stopped and started again.
 
     python benchmarks/shear_cell.py --kept benchmarks/data/shear_cell.jsonl [--seeds 6]
-        [--solvers lammps liggghts yade] [--energies 0 0.25 0.5] [--table]
+        [--solvers lammps liggghts yade] [--energies 0 0.25 0.5] [--moduli 3.6e5 1e7] [--tests]
+        [--travel] [--table]
 
 Prints the mean of each response with its standard error from seed to seed, the difference of the
 steady state from the shear test in standard errors, and the processor time of a run.
@@ -28,10 +29,12 @@ from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_SPHERES
 from kept_runs import measure, read, scatter, simulate
 
-ENERGY = "particle_particle.surface_energy"
+ENERGY, MODULUS = "particle_particle.surface_energy", "particle.youngs_modulus"
+#: Share of the Rayleigh time step that is safe with a modulus, Pa.
+FRACTIONS = {3.6e5: 0.12, 1e7: 0.33}
 #: Preshear and failure strain: the defaults, and others of which each is varied alone.
 STRAINS = (0.5, 0.25)
-OTHERS = ((0.25, 0.25), (0.7, 0.25), (0.5, 0.2), (0.5, 0.5))
+OTHERS = ((0.25, 0.25), (0.7, 0.25), (0.5, 0.5))
 RESPONSES = (
     "phi_sf",
     "bulk_density",
@@ -46,11 +49,12 @@ STEADY = {"phi_sf": "internal_friction_angle", "bulk_density": "shear_density"}
 
 
 class Run(NamedTuple):
-    """What is varied: test, solver, surface energy in J/m^2, strains of the cell, seed."""
+    """What is varied: test, solver, surface energy in J/m^2, modulus in Pa, strains, seed."""
 
     test: str
     solver: str
     energy: float
+    modulus: float
     preshear: float
     failure: float
     seed: int
@@ -58,27 +62,28 @@ class Run(NamedTuple):
 
 def record_of(run: Run) -> dict[str, Any]:
     """Simulate once."""
-    options: dict[str, float] = {}
+    options: dict[str, float] = {"time_step_fraction": FRACTIONS[run.modulus]}
     if run.test == "shear_cell":
-        options = {"preshear_strain": run.preshear, "failure_strain": run.failure}
+        options |= {"preshear_strain": run.preshear, "failure_strain": run.failure}
     test = bulk_tests()[run.test](diameter=0.010, **options)
     damping = {f"particle_{partner}.rolling_damping": 0.0 for partner in ("particle", "wall")}
     cohesion = {ENERGY: run.energy} if run.energy else {}
-    material = {**ROUGH_SPHERES, **damping, **cohesion}
+    material = {**ROUGH_SPHERES, MODULUS: run.modulus, **damping, **cohesion}
     program = DEM_PROGRAMS[run.solver](test, material)
     return {"particles": test.number_of_particles} | simulate(program, run.seed)
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
     """Yield the lines of a table in Markdown: one for each solver, material and procedure."""
-    heads = ["solver", "γ, J/m²", "strains", "runs", *RESPONSES, "1/ffc", "CPU s a run"]
+    heads = ["solver", "γ, J/m²", "E, MPa", "strains", "runs", *RESPONSES, "1/ffc", "CPU s a run"]
     yield f"| {' | '.join(heads)} |"
     yield "|---" * len(heads) + "|"
-    cases = dict.fromkeys(run[:5] for run in sorted(records))
+    cases = dict.fromkeys(run[:6] for run in sorted(records))
     for case in (case for case in cases if case[0] == "shear_cell"):
-        own = [r for run, r in records.items() if run[:5] == case]
+        own = [r for run, r in records.items() if run[:6] == case]
         good = [r["responses"] for r in own if "responses" in r]
-        cells = [case[1], f"{case[2]:g}", f"{case[3]:g}, {case[4]:g}", f"{len(good)} of {len(own)}"]
+        cells = [case[1], f"{case[2]:g}", f"{case[3] / 1e6:g}", f"{case[4]:g}, {case[5]:g}"]
+        cells += [f"{len(good)} of {len(own)}"]
         cells += [_mean([one[name] for one in good]) for name in RESPONSES]
         ratios = [one[RESPONSES[6]] / one[RESPONSES[5]] for one in good]
         cells += [_mean(ratios), f"{np.mean([r['seconds'] for r in own]):.1f}"]
@@ -90,15 +95,15 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
 def _against_shear(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
     """Yield the steady state of both tests, and their difference in standard errors."""
     yield ""
-    yield "| solver | γ, J/m² | response | shear cell | shear | difference, standard errors |"
-    yield "|---" * 6 + "|"
-    for solver, energy in dict.fromkeys((run.solver, run.energy) for run in sorted(records)):
+    yield "| solver | γ, J/m² | E, MPa | response | shear cell | shear | difference / error |"
+    yield "|---" * 7 + "|"
+    for case in dict.fromkeys(run[1:4] for run in sorted(records)):
         for name, other in STEADY.items():
             own, plane = (
                 [
                     r["responses"][key]
                     for run, r in records.items()
-                    if (run.solver, run.energy) == (solver, energy)
+                    if run[1:4] == case
                     and run.test == test
                     and (run.preshear, run.failure) == STRAINS
                     and "responses" in r
@@ -111,7 +116,15 @@ def _against_shear(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
                 *(scatter(values) / math.sqrt(len(values)) for values in (own, plane))
             )
             difference = (np.mean(own) - np.mean(plane)) / error
-            cells = [solver, f"{energy:g}", name, _mean(own), _mean(plane), f"{difference:+.1f}"]
+            cells = [
+                case[0],
+                f"{case[1]:g}",
+                f"{case[2] / 1e6:g}",
+                name,
+                _mean(own),
+                _mean(plane),
+                f"{difference:+.1f}",
+            ]
             yield f"| {' | '.join(cells)} |"
 
 
@@ -129,16 +142,19 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--solvers", nargs="+", default=["lammps"])
     parser.add_argument("--energies", nargs="+", type=float, default=[0.0, 0.25, 0.5])
+    parser.add_argument("--moduli", nargs="+", type=float, default=[3.6e5], choices=FRACTIONS)
+    parser.add_argument("--tests", nargs="+", default=["shear_cell", "shear"])
     parser.add_argument("--travel", action="store_true", help="vary the strains as well")
     parser.add_argument("--table", action="store_true", help="print the tables alone")
     arguments = parser.parse_args()
     strains = [STRAINS, *(OTHERS if arguments.travel else ())]
     runs = [
-        Run(test, solver, energy, *pair, seed)
+        Run(test, solver, energy, modulus, *pair, seed)
         for seed in range(1, arguments.seeds + 1)
         for solver in arguments.solvers
         for energy in arguments.energies
-        for test in ("shear_cell", "shear")
+        for modulus in arguments.moduli
+        for test in arguments.tests
         for pair in (strains if test == "shear_cell" else [STRAINS])
     ]
     if not arguments.table:

@@ -292,6 +292,13 @@ def test_a_stress_that_is_not_held_fails_the_run(changed):
     _refused(changed, "normal stress was not held: 5.* Pa instead of 500 Pa")
 
 
+def test_a_swing_of_the_moving_plate_is_no_other_stress(sheared, changed):
+    _scale(changed, {"normal_upper": 1.3, "shear_upper": 0.6})
+    found = small().measure(RunOutput(changed))
+    for name, exact in sheared[1].items():
+        assert abs(found[name].value - exact.value) < 2 * exact.standard_error, name
+
+
 def test_a_particle_that_leaked_through_a_plate_fails_the_run(changed):
     def leak(positions: np.ndarray) -> np.ndarray:
         positions[7, 2] = -0.006

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -25,7 +25,7 @@ from grainfit.bulk_tests.shear.flow import (
 )
 from grainfit.bulk_tests.shear.picture import draw_shear
 from grainfit.bulk_tests.shear.plane_shear import STRAIN, PlaneShear
-from grainfit.bulk_tests.shear.validity import require_sheared
+from grainfit.bulk_tests.shear.validity import is_held, require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
@@ -179,9 +179,15 @@ class Shear(PlaneShear):
         if len(times) != len(names):
             raise NotMeasurableError("stages.csv: stages are missing")
         frames = [read_frame(run, *pair) for pair in zip(names, times, strict=True)]
-        records = [Record.of_stage(run, name, self.setup) for name in self._blocks]
+        records = self._records(run, self._blocks, lower_alone=False)
+        if not is_held(self.setup, records):
+            # The upper plate may swing; the bed has the stress that the lower one feels.
+            records = self._records(run, self._blocks, lower_alone=True)
         speed = plate_speed(records)
         return frames, records, velocity_profile(frames, self.setup.length, speed)
+
+    def _records(self, run: RunOutput, stages: Sequence[str], *, lower_alone: bool) -> list[Record]:
+        return [Record.of_stage(run, n, self.setup, lower_alone=lower_alone) for n in stages]
 
     def view(self, run: RunOutput) -> ShearView:
         """Read the end of a run, to be drawn."""

@@ -52,7 +52,7 @@ def require_sheared(
         Options that give the bed more time.
     """
     _require_no_leak(frames, setup.plate.diameter)
-    stress = float(np.concatenate([record.normal_stresses for record in records]).mean())
+    stress = _mean_normal_stress(records)
     if not abs(stress / setup.normal_stress - 1) <= within:
         raise RunFailedError(
             f"the normal stress was not held: {stress:.4g} Pa instead of "
@@ -61,6 +61,15 @@ def require_sheared(
         )
     _require_inertial_number(setup, frames[0], speed, profile.gap)
     _require_even_shear(profile)
+
+
+def is_held(setup: ShearSetup, records: Sequence[Record]) -> bool:
+    """Return whether the mean normal stress is the wanted one within 1 %."""
+    return abs(_mean_normal_stress(records) / setup.normal_stress - 1) <= _HELD
+
+
+def _mean_normal_stress(records: Sequence[Record]) -> float:
+    return float(np.concatenate([record.normal_stresses for record in records]).mean())
 
 
 def _require_no_leak(frames: Sequence[Frame], diameter: float) -> None:
