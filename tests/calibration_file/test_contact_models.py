@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import grainfit as gf
 from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.contact_models import messages as contact_messages
 from grainfit.errors import InputError
 from grainfit.options.places import FileFault
+from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.program import DeckSolver
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
@@ -202,6 +206,23 @@ def test_a_free_rolling_friction_is_refused_before_a_run_of_yade(tmp_path: Path)
     [fault] = setup.solvers["heap"].interval_faults(intervals)
 
     assert fault.key == "particle_particle.rolling_friction"
+
+
+def test_a_test_from_python_has_too_long_a_time_step_for_linear_springs(tmp_path: Path) -> None:
+    setup = setup_of(tmp_path, linear())
+    intervals = {p.name: (p.minimum, p.maximum) for p in setup.problem.parameters}
+    own = setup.solvers["heap"]
+    assert isinstance(own, DeckSolver)
+    assert own.interval_faults(intervals) == []
+    usual = Lammps(
+        replace(own.test, time_step_fraction=0.12), own.material, contact_models=["linear"]
+    )
+    [fault] = usual.interval_faults(intervals)
+
+    assert fault.key == "time_step_fraction"
+    assert fault.remedy == "Give at most 0.08."
+    with pytest.raises(InputError, match="the Rayleigh time step is too long"):
+        gf.calibrate(setup.problem, usual, workdir=tmp_path / "heap.grainfit")
 
 
 def test_overlaps_of_hertz_contacts_are_not_told_of_linear_springs(tmp_path: Path) -> None:

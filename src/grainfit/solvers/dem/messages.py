@@ -93,3 +93,8 @@ CARD_NEEDS = Message(
     "Give them in the calibration file and run it again, or use --to json or --to csv and insert "
     "the values in your model.",
 )
+LONG_TIME_STEP = Message(
+    "{share:g} of the Rayleigh time step is too long for the linear springs, whose collision time "
+    "decides: beds would come to rest too dense without any error.",
+    "Give at most {safe:g}.",
+)

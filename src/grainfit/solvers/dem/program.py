@@ -23,6 +23,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.response_info import absent_responses
+from grainfit.bulk_tests.time_steps import usual_time_step_fraction
 from grainfit.bulk_tests.workload import workload
 from grainfit.contact_models.cohesive_contacts import overlap_faults
 from grainfit.contact_models.registry import (
@@ -33,6 +34,7 @@ from grainfit.contact_models.registry import (
     default_values,
     inactive_faults,
     inactive_parameters,
+    is_load_dependent,
     material_parameter,
     non_default_models,
     parameters_of_walls,
@@ -324,7 +326,23 @@ class DeckSolver(Solver):
         largest_values = {**self.material, **{name: ends[1] for name, ends in intervals.items()}}
         law = contact_law(largest_values, self.contact_models)
         faults += unfit_faults(law, largest_values, self.name)
+        faults += self._time_step_faults(intervals)
         return list(dict.fromkeys(faults))
+
+    def _time_step_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
+        """Return why the time step is too long for linear springs, which no stress makes softer."""
+        if is_load_dependent(self.contact_models):
+            return []
+        fixed = {name: (value, value) for name, value in self.material.items()}
+        try:
+            safe = usual_time_step_fraction(self.test, {**fixed, **intervals}, self.contact_models)
+        except KeyError:
+            # A value is missing, as another message says.
+            return []
+        share = float(self.test.time_step_fraction)
+        if share <= safe:
+            return []
+        return [messages.LONG_TIME_STEP.fault("time_step_fraction", share=share, safe=safe)]
 
     def _material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why the test means nothing with a material."""
