@@ -147,6 +147,13 @@ def linear(text: str = UNDAMPED, **springs: str) -> str:
         (linear(stiffness='"1892 N/m"', tangential='"1658 N/m"'), 0.08),
         (linear(stiffness='"210 N/m"', tangential='"184 N/m"'), 0.24),
         (linear(stiffness='{ min = "210 N/m", max = "1892 N/m" }', tangential="1658"), 0.08),
+        # Coarse-grained, they are stiffer by the factor, and the mass is larger by its cube.
+        (
+            linear(stiffness='"1892 N/m"', tangential='"1658 N/m"').replace(
+                'diameter = "10 mm"', 'diameter = "10 mm"\ncoarse_graining = 1.4'
+            ),
+            0.08,
+        ),
         # A stiff pair does not end at 0 %.
         (linear(stiffness='"2e6 N/m"', tangential='"1.7e6 N/m"'), 0.0025),
         (linear().replace("0.79", "0.2"), 0.05),

@@ -229,6 +229,13 @@ def test_a_material_without_a_modulus_has_no_stiffness(sand: Path) -> None:
         gf.stiffness_study("sand.toml")
 
 
+def test_springs_that_are_given_have_no_modulus_to_study(sand: Path) -> None:
+    given = FILE.replace("[parameters]", "[particle_wall]\nnormal_stiffness = 900\n[parameters]")
+    (sand / "sand.toml").write_text(given)
+    with pytest.raises(gf.InputError, match=messages.GIVEN_STIFFNESS.pattern):
+        gf.stiffness_study("sand.toml")
+
+
 def test_the_answer_of_a_model_of_the_user_needs_its_file(sand: Path) -> None:
     gf.load("sand.toml").calibrate(max_runs=14)
     with pytest.raises(gf.InputError, match=messages.OWN_MODEL_NOT_IN_RUNS.pattern):

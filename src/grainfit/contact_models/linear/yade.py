@@ -32,8 +32,8 @@ class LinearYade(YadeKeywords):
     beside: tuple[Kind, ...] = ()
     one_size = True
     difference = (
-        "YADE lets no contact pull, so that its dashpots are stronger (a damping ratio of 0.073 "
-        "instead of 0.071 at a restitution of 0.8, of 0.39 instead of 0.28 at 0.4)."
+        "YADE lets no contact pull, so that its dashpots are stronger (a damping ratio of 0.074 "
+        "instead of 0.071 at a restitution of 0.8, of 0.35 instead of 0.28 at 0.4)."
     )
     equations = (
         Equation(
