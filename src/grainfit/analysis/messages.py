@@ -44,6 +44,10 @@ MEAN_WITHIN = Message("the mean of {runs} is within it (95 %).")
 
 # Sizes of an apparatus.
 NO_SIZE = Message("{given:g} is no size.", "Give numbers above 0: times the particles.")
+IMPOSSIBLE_SIZE = Message(
+    "test {test} is impossible with {times:.3g} times its particles: {why}",
+    "Give sizes nearer to 1.",
+)
 FEW_SIZES = Message("{count} given.", "Give two or more, as 1,2,4.")
 NO_TREND = Message("{response}: too few sizes of test {test} tell a trend.")
 SIZE_IN_DOUBT = Message(

@@ -70,9 +70,11 @@ class SizePlan:
 
     def __post_init__(self) -> None:
         faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
-        wrong = [t for t in (*self.times, self.to) if not (math.isfinite(t) and t > 0)]
+        given = [*(("times", one) for one in self.times), ("to", self.to)]
+        wrong = [(key, one) for key, one in given if not (math.isfinite(one) and one > 0)]
         if wrong:
-            faults.append(messages.NO_SIZE.fault("times", given=wrong[0]))
+            key, one = wrong[0]
+            faults.append(messages.NO_SIZE.fault(key, given=one))
         elif len(set(self.times)) < FEWEST_SIZES:
             faults.append(messages.FEW_SIZES.fault("times", count=len(set(self.times))))
         if faults:
@@ -91,7 +93,13 @@ class SizePlan:
 
     def solver_of(self, name: str, times: float) -> Solver:
         """Return the solver of a test in an apparatus of another size."""
-        return self.solvers[name].of_test(resized(self.test_of(name), times))
+        try:
+            return self.solvers[name].of_test(resized(self.test_of(name), times))
+        except InputError as error:
+            why = "; ".join(f"{fault.key}: {fault.message}" for fault in error.faults)
+            raise InputError(
+                messages.IMPOSSIBLE_SIZE.fault("times", test=name, times=times, why=why)
+            ) from None
 
     def sized_solvers(self) -> dict[tuple[str, float], Solver]:
         """Return the solvers of all tests and sizes.
