@@ -53,7 +53,7 @@ def test_every_file_describes_a_test_that_can_be_simulated(name: str) -> None:
 
 
 def is_length(option: str) -> bool:
-    return option.endswith(("radius", "diameter", "length", "width", "gap"))
+    return option.endswith(("radius", "diameter", "length", "width", "depth", "gap"))
 
 
 @pytest.mark.parametrize("name", instrument_names())
