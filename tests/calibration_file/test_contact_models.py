@@ -141,22 +141,22 @@ def linear(text: str = UNDAMPED, **springs: str) -> str:
     ("text", "fraction"),
     [
         # The collision time follows sqrt(m / k): independent of E where the springs follow from it.
-        (linear(), 0.08),
-        (linear().replace("0.36 MPa", "10 MPa"), 0.08),
-        # Nine times as stiff, a third of the step; the springs of the modulus are 1892 N/m.
-        (linear(stiffness='"1892 N/m"', tangential='"1658 N/m"'), 0.08),
-        (linear(stiffness='"210 N/m"', tangential='"184 N/m"'), 0.24),
-        (linear(stiffness='{ min = "210 N/m", max = "1892 N/m" }', tangential="1658"), 0.08),
+        (linear(), 0.04),
+        (linear().replace("0.36 MPa", "10 MPa"), 0.04),
+        # The springs of the modulus are 1892 N/m; a ninth of them has three times the step.
+        (linear(stiffness='"1892 N/m"', tangential='"1658 N/m"'), 0.04),
+        (linear(stiffness='"210 N/m"', tangential='"184 N/m"'), 0.13),
+        (linear(stiffness='{ min = "210 N/m", max = "1892 N/m" }', tangential="1658"), 0.04),
         # Coarse-grained, they are stiffer by the factor, and the mass is larger by its cube.
         (
             linear(stiffness='"1892 N/m"', tangential='"1658 N/m"').replace(
                 'diameter = "10 mm"', 'diameter = "10 mm"\ncoarse_graining = 1.4'
             ),
-            0.08,
+            0.04,
         ),
         # A stiff pair does not end at 0 %.
-        (linear(stiffness='"2e6 N/m"', tangential='"1.7e6 N/m"'), 0.0025),
-        (linear().replace("0.79", "0.2"), 0.05),
+        (linear(stiffness='"2e6 N/m"', tangential='"1.7e6 N/m"'), 0.0013),
+        (linear().replace("0.79", "0.2"), 0.02),
     ],
 )
 def test_the_time_step_of_linear_springs_follows_the_collision_time(
@@ -227,7 +227,7 @@ def test_a_test_from_python_has_too_long_a_time_step_for_linear_springs(tmp_path
     [fault] = usual.interval_faults(intervals)
 
     assert fault.key == "time_step_fraction"
-    assert fault.remedy == "Give at most 0.08."
+    assert fault.remedy == "Give at most 0.04."
     with pytest.raises(InputError, match="the Rayleigh time step is too long"):
         gf.calibrate(setup.problem, usual, workdir=tmp_path / "heap.grainfit")
 
