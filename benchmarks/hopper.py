@@ -34,8 +34,10 @@ from kept_runs import mean_and, measure, read, scatter, simulate
 DIAMETER, GRAVITY = 0.010, 9.81
 #: Outlets in diameters, and the one of all half angles in degrees.
 OUTLETS, OUTLET, HALF_ANGLES = (5.0, 6.5, 8.0), 6.0, (15.0, 30.0, 45.0, 60.0, 90.0)
-#: Width of the vessels in diameters, and the height of the bed above the slope.
-FLAT_WIDTH, FLAT_HEIGHT, WIDTH, HEIGHT, DEPTH = 18.0, 15.0, 15.0, 10.0, 6.0
+#: Width of flat-bottomed vessels in diameters, and height of the bed: a slot empties sooner.
+FLAT_WIDTH, FLAT_HEIGHT = {"round": 18.0, "slot": 24.0}, {"round": 15.0, "slot": 24.0}
+#: Width of the vessels of all half angles, height of the bed above the slope, depth of a slot.
+WIDTH, HEIGHT, DEPTH = 15.0, 10.0, 6.0
 #: Share of the Rayleigh time step that is safe for spheres that are as soft.
 TIME_STEP = 0.19
 #: k of the fit of the exponent, and the exponents of the law.
@@ -64,8 +66,8 @@ def record_of(run: Run) -> dict[str, Any]:
     options: dict[str, Any] = {opening: run.outlet * DIAMETER, "half_angle": run.half_angle}
     if run.orifice == "slot":
         options["depth"] = DEPTH * DIAMETER
-    if run.width == FLAT_WIDTH:
-        options["fill_height"] = FLAT_HEIGHT * DIAMETER
+    if run.width == FLAT_WIDTH[run.orifice]:
+        options["fill_height"] = FLAT_HEIGHT[run.orifice] * DIAMETER
     else:
         slope = (run.width - run.outlet) / 2 / math.tan(math.radians(run.half_angle))
         options["fill_height"] = (slope + HEIGHT) * DIAMETER
@@ -80,7 +82,7 @@ def runs_of(solvers: list[str], seeds: int) -> list[Run]:
     found = []
     for seed, orifice, solver in product(range(1, seeds + 1), EXPONENTS, solvers):
         start = (solver, seed, orifice)
-        found += [Run(*start, outlet, 90.0, FLAT_WIDTH) for outlet in OUTLETS]
+        found += [Run(*start, outlet, 90.0, FLAT_WIDTH[orifice]) for outlet in OUTLETS]
         found += [Run(*start, OUTLET, angle, WIDTH) for angle in HALF_ANGLES]
     # YADE has no flat floor with a round outlet.
     return [r for r in found if not (r.solver == "yade" and r.orifice == "round")]
@@ -101,7 +103,7 @@ def beverloo(known: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         own = {
             run: record["responses"]
             for run, record in known.items()
-            if (run.solver, run.orifice, run.width) == (solver, orifice, FLAT_WIDTH)
+            if (run.solver, run.orifice, run.width) == (solver, orifice, FLAT_WIDTH[orifice])
         }
         if len({run.outlet for run in own}) < len(OUTLETS):
             continue

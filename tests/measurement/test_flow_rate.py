@@ -31,10 +31,13 @@ def test_constant_flow_is_its_slope_without_error() -> None:
 
 def test_a_discharge_has_ended_when_99_percent_of_what_leaves_has_left() -> None:
     time, mass = emptied(1.3)
-    measured = discharge_time(time, mass, flow_rate(time, mass))
+    measured = discharge_time(time, mass, flow_rate(time, mass), 0.0)
 
     assert measured.value == pytest.approx(0.99 * 1.8 / 1.3, rel=1e-6)
     assert measured.standard_error < 1e-9
+    # 13 g more or less that stay, at 1.3 kg/s.
+    uncertain = discharge_time(time, mass, flow_rate(time, mass), 0.013)
+    assert uncertain.standard_error == pytest.approx(0.01, rel=0.05)
 
 
 def test_slow_start_and_end_do_not_count() -> None:

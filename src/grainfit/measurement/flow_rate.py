@@ -15,8 +15,8 @@ from grainfit.measurement import messages
 #: The flow is measured between these shares of the discharged mass: it starts before, and slows
 #: down as the bed above the orifice gets low.
 _WINDOW = (0.1, 0.5)
-#: Share of the discharged mass after which a discharge has ended.
-_NEARLY_ALL = 0.99
+#: Share of the discharged mass after which a discharge has ended, and one shortly before.
+_NEARLY_ALL, _LATE = 0.99, 0.95
 #: Parts of the window whose flows are compared, and the fewest records in one.
 _PARTS = 5
 _FEWEST_RECORDS = 3
@@ -105,12 +105,16 @@ def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Flow
 
 
 def discharge_time(
-    time: NDArray[np.float64], remaining: NDArray[np.float64], flow: FlowRate
+    time: NDArray[np.float64],
+    remaining: NDArray[np.float64],
+    flow: FlowRate,
+    residual_error: float,
 ) -> Response:
     """Return the time in which 99 % of the mass that leaves has left, and its standard error.
 
-    The last particles roll to the outlet one by one. The relative error is that of the flow, which
-    was measured over 40 % of the mass.
+    The last particles roll to the outlet one by one. The error has two parts: that of the flow,
+    which was measured over 40 % of the mass, and how long the uncertain part of the residual mass
+    takes at the flow between 95 and 99 %, which is slow above a flat floor.
 
     Parameters
     ----------
@@ -120,11 +124,16 @@ def discharge_time(
         Mass in the container, kg; the flow has ended at the end of the series.
     flow : FlowRate
         The flow, above zero.
+    residual_error : float
+        Standard error of the mass that stays, kg.
     """
     left = np.maximum.accumulate(remaining[0] - remaining)
-    value = _time_of(time, left, _NEARLY_ALL * float(left[-1])) - float(time[0])
-    share = _WINDOW[1] - _WINDOW[0]
-    return Response(value, value * flow.standard_error / flow.value * math.sqrt(share))
+    total = float(left[-1])
+    late, end = (_time_of(time, left, share * total) for share in (_LATE, _NEARLY_ALL))
+    value = end - float(time[0])
+    by_flow = flow.standard_error / flow.value * math.sqrt(_WINDOW[1] - _WINDOW[0])
+    by_rest = residual_error / ((_NEARLY_ALL - _LATE) * total) * (end - late)
+    return Response(value, math.hypot(value * by_flow, by_rest))
 
 
 def stopped_flow(

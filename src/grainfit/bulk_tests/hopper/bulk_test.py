@@ -197,11 +197,13 @@ class Hopper(Discharge):
     def _beside_flow(
         self, bed: Particles, view: DischargeView, flow: FlowRate
     ) -> dict[str, Response]:
+        period, particle_mass = self.setup.container.period, float(bed.masses.mean())
+        residual = residual_mass(view.end, period, particle_mass)
         found = {}
         if not view.arch:
-            found["discharge_time"] = discharge_time(view.time, view.mass, flow)
-        period, particle_mass = self.setup.container.period, float(bed.masses.mean())
-        found["residual_mass"] = residual_mass(view.end, period, particle_mass)
+            error = residual.standard_error
+            found["discharge_time"] = discharge_time(view.time, view.mass, flow, error)
+        found["residual_mass"] = residual
         # The density is no aim of this test: its bed may be low, or uneven.
         with suppress(NotMeasurableError):
             found["bulk_density"] = self._density_above_slope(bed)
