@@ -29,7 +29,8 @@ BROKEN = {
     ),
     "a contact model of a solver": (
         "from grainfit.contact_models.hertz_mindlin.yade import HertzMindlinYade; "
-        "HertzMindlinYade.solver = 'lammps'",
+        "from grainfit.contact_models.linear.yade import LinearYade; "
+        "HertzMindlinYade.solver = LinearYade.solver = 'lammps'",
         "import grainfit.solvers.registry",
         INCOMPLETE(
             kind="solver",

@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
-from conftest import GLASS_BEADS
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
 from grainfit.work_folder.saved_calibration import bulk_tests_of
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
+GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
 SOFTER = '[strategy]\nsofter = "0.09 MPa"\n'
 
 
