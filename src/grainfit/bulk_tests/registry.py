@@ -25,6 +25,7 @@ from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shear import Shear as Shear
 from grainfit.bulk_tests.shear_cell import ShearCell as ShearCell
 from grainfit.bulk_tests.tapped import Tapped as Tapped
+from grainfit.bulk_tests.triaxial import Triaxial as Triaxial
 from grainfit.errors import Fault, InputError, error_in_words
 from grainfit.registration import incomplete, require_complete, require_unique
 from grainfit.run_definition import RunDefinition

@@ -110,6 +110,10 @@ NOT_LOADED = Message(
 )
 MOTION_AXIS = Message("moves {name} along {axis!r}.", "Use x, y or z.")
 MOTION_NUMBERS = Message("moves {name} by {motion!r}.", "Give finite numbers.")
+NO_AREA = Message(
+    "loads {name!r} across {low!r} and {high!r}, which are no two planes of one axis.",
+    "Name two parallel walls of the shape Plane, the lower one first.",
+)
 NO_TURN = Message("turns with a speed of 0.", "Give it no rotation then.")
 TURNS_AND_MOVES = Message(
     "turns about an axis, and moves in another way.",

@@ -126,6 +126,39 @@ class Rectangle:
 
 
 @dataclass(frozen=True)
+class Square:
+    """A square between four walls, about the z axis.
+
+    Parameters
+    ----------
+    width : float
+        m.
+    """
+
+    width: float
+    period: None = None
+
+    def __post_init__(self) -> None:
+        _require_lengths(width=self.width)
+
+    @property
+    def area(self) -> float:
+        """Area inside the walls, m^2."""
+        return self.width**2
+
+    def area_of_centres(self, radius: float) -> float:
+        """Return the area that centres of particles of a radius can take, m^2."""
+        return max(self.width - 2 * radius, 0.0) ** 2
+
+    def places(
+        self, random: np.random.Generator, count: int, wall: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Draw x and y of places, uniform in the area, this far from the walls."""
+        x, y = (self.width / 2 - wall) * (2 * random.random((2, count)) - 1)
+        return x, y
+
+
+@dataclass(frozen=True)
 class PeriodicRectangle:
     """A rectangle without walls, periodic in x from 0 to length and in y from 0 to depth.
 

@@ -28,7 +28,7 @@ from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force, Frames, RadialForce, Series, Travel
-from grainfit.scenes.shapes import Cylinder, Shape, Vector
+from grainfit.scenes.shapes import Cylinder, Plane, Shape, Vector
 from grainfit.scenes.spheres import ClumpSpheres, clump_spheres
 
 #: Raised whenever packing or decks of scenes change the outcome of runs: part of their identity.
@@ -141,12 +141,16 @@ class Load:
         m/s.
     gain : float
         Speed over missing force, m/(N s): one over stiffness of the bed times time constant.
+    across : tuple of (str, str)
+        Pairs of walls, the lower one first: the force follows the product of their distances, as a
+        stress on the area between them does. It is the given one where these walls are put.
     """
 
     along: str
     force: float
     largest_speed: float
     gain: float
+    across: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -205,6 +209,9 @@ class Stage:
         Name of the snapshot of the particles at its end; empty for none.
     is_closed : bool
         No particle may get lost in it: walls hold them all.
+    sliding_friction : float, optional
+        Sliding friction between particles in this stage, and only in it; that of the material by
+        default.
     """
 
     __repr__ = one_line
@@ -220,6 +227,7 @@ class Stage:
     frames: Frames | None = None
     snapshot: str = ""
     is_closed: bool = False
+    sliding_friction: float | None = None
 
     def motions_of(self, name: str) -> tuple[Motion, ...]:
         """Return the motions of a wall or a glued set in this stage; none when it stands still."""
@@ -300,6 +308,7 @@ class Scene:
             *_wall_faults(self),
             *_motion_faults(self),
             *_rotation_faults(self),
+            *_area_faults(self),
         ]
         if faults:
             raise InputError(faults)
@@ -336,6 +345,12 @@ class Scene:
         """Iterate over the motions of a wall or a glued set in all stages."""
         for stage in self.stages:
             yield from stage.motions_of(name)
+
+    def first_distance(self, low: str, high: str) -> float:
+        """Return the distance between two parallel planes where they are put, m."""
+        places = (self.all_walls()[name].shape for name in (low, high))
+        first, second = (place.at for place in places if isinstance(place, Plane))
+        return second - first
 
     def steps(self, time: float) -> int:
         """Return the number of time steps of a simulated time; at least one."""
@@ -431,6 +446,11 @@ class Scene:
             found.add("lying cylinder")
         if any(stage.frames for stage in self.stages):
             found.add("frames")
+        motions = [motion for stage in self.stages for _, motion in stage.all_motions()]
+        if any(isinstance(motion, Load) and motion.across for motion in motions):
+            found.add("load on an area")
+        if any(stage.sliding_friction is not None for stage in self.stages):
+            found.add("friction of a stage")
         if self.box.periodic:
             found.add("periodic " + self.box.periodic)
         return found
@@ -529,6 +549,22 @@ def _motion_faults(scene: Scene) -> Iterator[Fault]:
                 yield messages.MOVED_TWICE.fault(key, name=name)
             if sum(isinstance(motion, Load) for motion in motions) > 1:
                 yield messages.TWO_LOADS.fault(key, name=name)
+
+
+def _area_faults(scene: Scene) -> Iterator[Fault]:
+    """A load on an area needs parallel planes, the lower one first, on both sides of it."""
+    walls = scene.all_walls()
+    for stage in scene.stages:
+        for name, motion in stage.all_motions():
+            pairs = motion.across if isinstance(motion, Load) else ()
+            for pair in pairs:
+                planes = [walls[one].shape for one in pair if one in walls]
+                ends = [(one.axis, one.at) for one in planes if isinstance(one, Plane)]
+                if len(ends) < 2 or ends[0][0] != ends[1][0] or ends[0][1] >= ends[1][1]:
+                    low, high = pair
+                    yield messages.NO_AREA.fault(
+                        f"stage {stage.name}", name=name, low=low, high=high
+                    )
 
 
 def load_on(stage: Stage, name: str) -> Load | None:

@@ -12,10 +12,7 @@ _SHEAR = (
     'type = "shear_cell" is a shear tester: preshear, then shear to failure; type = "shear" has '
     "steady flow alone, and costs less."
 )
-_TRIAXIAL = (
-    'The nearest are type = "compression" and "shear". type = "command" takes your own deck of '
-    f"it; {_SCENE}."
-)
+_TRIAXIAL = 'type = "triaxial" is drained compression under one confining stress.'
 _INCLINED = (
     "No simulation is needed: write the angle at which the bulk solid begins to slide on the wall "
     'below [particle_wall], as sliding_friction = { measured_angle = "22 deg" }. '
@@ -35,7 +32,7 @@ OTHER_TESTS: Mapping[str, str] = {
     **dict.fromkeys(
         ("shear_tester", "ring_shear", "jenike", "direct_shear", "shear_box", "schulze"), _SHEAR
     ),
-    **dict.fromkeys(("triaxial", "biaxial", "true_triaxial"), _TRIAXIAL),
+    **dict.fromkeys(("biaxial", "true_triaxial", "triaxial_compression"), _TRIAXIAL),
     **dict.fromkeys(("drop", "bounce", "rebound", "restitution", "impact"), _DROP),
     **dict.fromkeys(
         ("angle_of_repose", "lifted_cylinder", "cylinder", "slump"),

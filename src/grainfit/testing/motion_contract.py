@@ -8,8 +8,10 @@ import math
 import numpy as np
 import pytest
 
+from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import RunFailedError
 from grainfit.scenes.conditions import Elapsed, Loaded
+from grainfit.scenes.glued import Glued
 from grainfit.scenes.records import Force, Recorded, Series, Travel
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Block, Cylinder, Disc, Plane, Shape
@@ -17,6 +19,7 @@ from grainfit.testing.simulated_scenes import (
     DAMPED,
     FLOOR,
     GRAVITY,
+    MASS,
     RADIUS,
     WEIGHT,
     Run,
@@ -221,6 +224,74 @@ class MotionContract(SimulatedScenes):
         assert out.stages[-1].end == "done"
         assert pressed["way"][0] == pytest.approx(approach["way"][-1], abs=3e-4)
         assert 0.03 + pressed["way"][-1] == pytest.approx(2 * RADIUS, abs=1e-3)
+
+    def test_a_load_on_an_area_follows_the_distance_of_its_walls(self, run: Run) -> None:
+        load, width, speed = 5 * WEIGHT, 0.06, 0.1
+        walls = {
+            **FLOOR,
+            "left": Wall(Plane("x", -width / 2)),
+            "right": Wall(Plane("x", width / 2, upwards=False)),
+            "piston": Wall(Plane("z", 2 * RADIUS + 0.0005, upwards=False)),
+        }
+        gain = resting_overlap(DAMPED, load) / load / 0.005
+        piston = Load("z", -load, 0.1, gain, across=(("left", "right"),))
+        columns: dict[str, Recorded] = {"piston": Force("piston", "z"), "way": Travel("right")}
+        series = Series(columns, 0.001)
+        motions: dict[str, Load | Velocity] = {
+            "piston": piston,
+            "right": Velocity("x", speed),
+        }
+        pressed = Stage("press", Loaded("piston", 0.01, 3.0), motions={"piston": piston})
+        wider = Stage("widen", Elapsed(0.3), motions=motions, series=series)
+        again = Stage("again", Loaded("piston", 0.01, 3.0), motions={"piston": piston})
+        held = Stage("held", Elapsed(0.01), motions={"piston": piston}, series=series)
+        stages = [pressed, wider, again, held]
+        out = run(scene_of(spheres([(0, 0, RADIUS)]), walls, stages, DAMPED))
+
+        assert [end.end for end in out.stages] == ["done"] * 4
+        found = out.series("widen")
+        assert found["way"][-1] == pytest.approx(speed * 0.3, rel=0.02)
+        expected = load * (1 + found["way"] / width)
+        # The piston follows with a small lag.
+        assert found["piston"] == pytest.approx(expected, rel=0.02)
+        assert means(out, "held")["piston"] == pytest.approx(1.5 * load, rel=0.015)
+
+    def test_a_stage_has_a_friction_of_its_own(self, run: Run) -> None:
+        # A sphere between two others that move aside: friction alone drags it along.
+        friction, time, speed, pull = 0.5, 0.001, 0.1, 50.0
+        values = {**material(1.0, friction), "particle.youngs_modulus": 1e8}
+        load = pull * MASS / (2 * friction)
+        overlap = hertz_overlap(load, particle_moduli(values, "particle"), RADIUS / 2)
+        reach = 2 * RADIUS - overlap
+        places = np.array([[0.0, 0.0, -reach], [0.0, 0.0, reach]])
+        jaws = {"jaws": Glued(places, np.zeros(2, dtype=np.int64))}
+        forth, back = Velocity("y", speed), Velocity("y", -speed)
+        stages = [
+            Stage(
+                "smooth",
+                Elapsed(time),
+                motions={"jaws": forth},
+                snapshot="smooth",
+                sliding_friction=0.0,
+            ),
+            Stage("rough", Elapsed(time), motions={"jaws": back}, snapshot="rough"),
+            Stage(
+                "less",
+                Elapsed(time),
+                motions={"jaws": back},
+                snapshot="less",
+                sliding_friction=0.0,
+            ),
+        ]
+        scene = scene_of(spheres([(0, 0, 0)]), {}, stages, values, gravity=0.0, glued=jaws)
+        out = run(scene)
+
+        first, second, third = (out.snapshot(s.snapshot).positions[0, 1] for s in stages)
+        way = -pull * time**2 / 2
+        assert abs(first) < 0.05 * abs(way)
+        assert second - first == pytest.approx(way, rel=0.08)
+        # It goes on with its velocity.
+        assert third - second == pytest.approx(2 * way, rel=0.08)
 
     def test_a_load_that_is_not_reached_fails_the_run(self, run: Run) -> None:
         walls = {**FLOOR, "piston": Wall(Plane("z", 0.08, upwards=False))}

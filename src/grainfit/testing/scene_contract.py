@@ -90,10 +90,11 @@ class SceneContract(WallContract, MotionContract, StageContract):
     def test_missing_concepts_are_concepts_of_scenes(self, solver: DeckSolver) -> None:
         shapes = {"plane", "block", "prism", "cylinder", "cone", "disc", "annulus", "mesh"}
         shapes.add("lying cylinder")
-        motions = {"velocity", "load", "velocity and load", "rotation"}
+        motions = {"velocity", "load", "velocity and load", "load on an area", "rotation"}
+        others = {"glued", "frames", "clumps", "friction of a stage"}
         axes = {f"periodic {axes}" for axes in ("x", "y", "z", "xy", "xz", "yz", "xyz")}
 
-        assert set(solver.missing) <= shapes | motions | axes | {"glued", "frames", "clumps"}
+        assert set(solver.missing) <= shapes | motions | axes | others
 
     # --- gravity, time step, files -------------------------------------------------------------
 

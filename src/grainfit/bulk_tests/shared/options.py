@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from grainfit.bulk_tests.base import GRAVITY, LOWEST_GRAVITY
 from grainfit.options.fields import Derived, option
 from grainfit.options.kinds import Quantity
 
@@ -26,4 +27,14 @@ def settling_option(what: str = "the bed") -> Any:
         f"Longest simulated time in which {what} may come to rest.",
         example='"2 s"',
         default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
+    )
+
+
+def laboratory_gravity_option(verb: str) -> Any:
+    """Return the option of the gravity of a laboratory whose bed has none where it is simulated."""
+    return option(
+        Quantity("m/s^2", lowest=LOWEST_GRAVITY),
+        f"Gravity of the laboratory, which the default stress follows; the {verb} bed has none.",
+        example="9.81",
+        default=GRAVITY,
     )

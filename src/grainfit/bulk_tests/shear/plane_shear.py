@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import GRAVITY, LOWEST_GRAVITY, BulkTest, Parts
+from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.bulk_tests.shared.options import LENGTH
+from grainfit.bulk_tests.shared.options import LENGTH, laboratory_gravity_option
 from grainfit.bulk_tests.shear.quasi_static import fast_shear
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.bulk_tests.size import scaled
@@ -95,12 +95,7 @@ class PlaneShear(BulkTest):
     transient_strain: Amount = option(
         STRAIN, "Shear strain that is thrown away.", example="1.5", default=1.5
     )
-    gravity: Amount = option(
-        Quantity("m/s^2", lowest=LOWEST_GRAVITY),
-        "Gravity of the laboratory, which the default stress follows; the sheared bed has none.",
-        example="9.81",
-        default=GRAVITY,
-    )
+    gravity: Amount = laboratory_gravity_option("sheared")
 
     @cached_property
     def setup(self) -> ShearSetup:

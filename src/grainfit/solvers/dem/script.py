@@ -128,6 +128,10 @@ class ScriptDeck(SceneDeck):
     def particle_types(self) -> tuple[int, list[int]]:
         """Return the number of types, and the type of every particle, loose and glued."""
 
+    def between_particles(self, sliding_friction: float | None = None) -> Iterator[str]:
+        """Iterate over the contact law between particles, with another sliding friction."""
+        raise NotImplementedError("scenes with the friction of a stage are refused before")
+
     # --- particles -----------------------------------------------------------------------------
 
     def write_particles(self) -> None:
@@ -241,6 +245,8 @@ class ScriptDeck(SceneDeck):
         """Iterate over the commands of a stage."""
         yield heading(f"{stage.name}: {stage.remark}" if stage.remark else stage.name)
         yield command("variable", f"stage string {stage.name}")
+        if stage.sliding_friction is not None:
+            yield from self.between_particles(stage.sliding_friction)
         if stage.strike_off is not None:
             yield from self.strike_off(stage.strike_off)
         yield from self.change_walls(stage)
@@ -256,6 +262,8 @@ class ScriptDeck(SceneDeck):
         if stage.frames is not None:
             yield command("undump", stage.frames.name)
         yield from self._stop_motions(stage)
+        if stage.sliding_friction is not None:
+            yield from self.between_particles()
         yield from self.undo
         self.undo = []
         yield self._note_end(stage.name, self._end_of(stage))
@@ -344,20 +352,21 @@ class ScriptDeck(SceneDeck):
             yield command("variable", f"below equal {bottom}+${{{until.wall}_travel}}")
             yield self._jump(f"({rest}) && (${{top}} < ${{below}})", f"{name}_done")
         else:
-            wanted = self._load_on(until.wall, name)
+            load = self._load_on(until.wall, name)
+            times = f"*${{{until.wall}_stretch}}" if load.across else ""
+            most = f"{until.within * abs(load.force)}{times}"
             yield command("variable", "before equal ${near}")
             yield command(
                 "variable",
-                f"near equal abs(${{{until.wall}_force}}-({wanted}))<{until.within * abs(wanted)}",
+                f"near equal abs(${{{until.wall}_force}}-({-load.force}){times})<{most}",
             )
             held = "(${near} > 0.5) && (${before} > 0.5)"
             yield self._jump(f"{held} && ({rest})", f"{name}_done")
 
-    def _load_on(self, wall: str, stage: str) -> float:
-        """Force of the particles on a loaded wall, N."""
+    def _load_on(self, wall: str, stage: str) -> Load:
         load = load_on(next(s for s in self.scene.stages if s.name == stage), wall)
         assert load is not None, "scenes refuse to wait for a load that is not there"
-        return -load.force
+        return load
 
     @staticmethod
     def _jump(condition: str, label: str) -> str:

@@ -140,16 +140,22 @@ class LammpsSceneDeck(ScriptDeck):
         yield heading("particles: one type for each diameter")
         yield from (f"# {one.legend}" for one in lammps_keywords(self.law) if one.legend)
         yield command("pair_style", "granular")
+        yield from self.between_particles()
+        for number in self._numbers():
+            yield command("group", f"size{number} type {number}")
+
+    def between_particles(self, sliding_friction: float | None = None) -> Iterator[str]:
+        """Iterate over the contact law between particles, with another sliding friction."""
         scene, kinds = self.scene, self._kinds
         material = scene.material_on("wall")
+        if sliding_friction is not None:
+            material["particle_particle.sliding_friction"] = sliding_friction
         for i in self._numbers():
             for j in self._numbers()[i - 1 :]:
                 contact = kinds.between(material, i, j, scene.weight_gravity, scene.typical_load)
                 yield continued(
                     command("pair_coeff", f"{i} {j}"), lammps_clauses(self.law, contact)
                 )
-        for number in self._numbers():
-            yield command("group", f"size{number} type {number}")
 
     # --- walls ---------------------------------------------------------------------------------
 
@@ -262,7 +268,11 @@ class LammpsSceneDeck(ScriptDeck):
         if isinstance(motion, Load):
             yield f"# The more force is missing, the faster; at most {motion.largest_speed} m/s."
             share = motion.gain / motion.largest_speed
-            missing = f"({motion.force}+v_{wall}_force)"
+            force = f"{motion.force}"
+            if motion.across:
+                yield command("variable", f"{wall}_stretch equal {self._stretch(motion)}")
+                force += f"*v_{wall}_stretch"
+            missing = f"({force}+v_{wall}_force)"
             yield command("variable", f"{wall}_lack equal {share}*{missing}")
             lack = f"v_{wall}_lack"
             speed = f"{-motion.largest_speed}*{lack}/sqrt(1.0+{lack}*{lack})"
@@ -272,6 +282,19 @@ class LammpsSceneDeck(ScriptDeck):
         yield command(
             "fix", f"{wall}_motion all controller 1 1.0 1.0 0.0 0.0 v_{wall}_speed 0.0 {travel}"
         )
+
+    def _stretch(self, load: Load) -> str:
+        """Return the expression of an area over what it was where its walls were put."""
+        moving = self.moving_walls()
+        factors = []
+        for low, high in load.across:
+            ways = "".join(
+                f"{sign}v_{wall}_travel"
+                for sign, wall in (("+", high), ("-", low))
+                if wall in moving
+            )
+            factors.append(f"(1.0+(0.0{ways})/{self.scene.first_distance(low, high)})")
+        return "*".join(factors)
 
     def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:  # noqa: ARG002
         """Stop a motion of a wall where it is."""

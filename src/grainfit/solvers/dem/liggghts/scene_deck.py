@@ -26,6 +26,14 @@ MISSING: Mapping[str, str] = {
         "LIGGGHTS moves a wall either at a velocity or under a load, not the same wall in turn; "
         "use a load in every stage, its largest speed is the velocity of the approach"
     ),
+    "load on an area": (
+        "the servo of LIGGGHTS holds a force that is a number, and the area between moving walls "
+        'changes; use solver = "lammps" or "yade"'
+    ),
+    "friction of a stage": (
+        "LIGGGHTS reads the friction between particles once, before the first stage; use "
+        'solver = "lammps" or "yade"'
+    ),
 }
 
 #: Variables that looks define again.

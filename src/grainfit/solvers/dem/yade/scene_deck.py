@@ -115,6 +115,8 @@ class YadeSceneDeck(SceneDeck):
                 "file_name": self.file_name,
                 "glued": list(scene.glued),
                 "prisms": "prism" in scene.concepts(),
+                "areas": "load on an area" in scene.concepts(),
+                "frictions": "friction of a stage" in scene.concepts(),
                 "time_step": scene.time_step,
                 "gravity": scene.gravity,
                 "low": tuple(scene.box.low),
@@ -307,12 +309,17 @@ class YadeSceneDeck(SceneDeck):
             yield "velocities = velocities_now()"
             yield from self._changes(stage)
             yield "go_on_with(velocities)"
+        friction = stage.sliding_friction
+        if friction is not None:
+            yield f"set_friction({friction!r})"
         yield f"stage = Stage({stage.name!r}, is_closed={stage.is_closed})"
         for wall in stage.motions:
             for motion in stage.motions_of(wall):
                 yield self._motion(wall, motion)
         yield from self._records(stage)
         yield self._until(stage)
+        if friction is not None:
+            yield "set_friction()"
         if stage.snapshot:
             yield f"snapshot({stage.snapshot!r})"
 
@@ -345,10 +352,21 @@ class YadeSceneDeck(SceneDeck):
             return f"{movable}.move({axis}, {motion.speed!r})"
         if isinstance(motion, Load):
             limits = f"largest_speed={motion.largest_speed!r}, gain={motion.gain!r}"
-            return f"stage.load({movable}, {axis}, {motion.force!r}, {limits})"
+            return f"stage.load({movable}, {axis}, {self._force(motion)}, {limits})"
         if self._is_about_itself(name, motion):
             return f"{movable}.turn_in_place({axis}, {motion.speed!r})"
         return f"stage.turn({movable}, {axis}, {motion.speed!r}, {motion.through})"
+
+    def _force(self, load: Load) -> str:
+        """Return the force of a load, or a function that returns that on an area."""
+        if not load.across:
+            return repr(load.force)
+        walls = self.scene.all_walls()
+        pairs = [
+            (low, high, "xyz".index(walls[low].shape.axis), self.scene.first_distance(low, high))  # type: ignore[union-attr]
+            for low, high in load.across
+        ]
+        return f"lambda: {load.force!r} * stretch({', '.join(map(repr, pairs))})"
 
     def _is_about_itself(self, name: str, rotation: Rotation) -> bool:
         """Return whether it is the rotation of a tube about its axis."""
@@ -408,5 +426,5 @@ class YadeSceneDeck(SceneDeck):
         load = load_on(stage, until.wall)
         assert load is not None
         axis = "xyz".index(load.along)
-        wanted = f"{axis}, {load.force!r}, within={until.within!r}, limit={limit}"
+        wanted = f"{axis}, {self._force(load)}, within={until.within!r}, limit={limit}"
         return f"stage.until_loaded({self._movable(until.wall)}, {wanted})"

@@ -1,0 +1,43 @@
+"""Messages to users about the options and the runs of a triaxial test."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+BOX_IS_SMALL = Message(
+    "{value:g} m is less than {fewest:g} of the largest particles ({largest:g} m).",
+    "Use at least {least:g} m.",
+)
+TOO_MANY_PARTICLES = Message(
+    "in a box of {width:g} m x {width:g} m x {height:g} m are {count:.3g} particles; at most "
+    "{most:g} are allowed.",
+    "Use smaller lengths, or larger particles.",
+)
+NO_ROOM = Message(
+    "{count} particles find no place in the box.", "Use a larger box, or less elongated particles."
+)
+NO_CURVE = Message(
+    "the critical state is averaged over {averaged:g} of an axial strain of {strain:g}.",
+    "Use at most half of it.",
+)
+SHORT_STRAIN = Message(
+    "the bed was compressed by {found:.3g} instead of {wanted:g}: under the confining stress it is "
+    "{height:.3g} m high, much looser than a solid fraction of 0.6; use a larger confining_stress "
+    "or a smaller initial_friction"
+)
+NOT_BALANCED = Message(
+    "the compression is not quasi-static: the forces on {low} and {high} differ by {share:.0%}; "
+    "use a smaller inertial_number"
+)
+NOT_CONFINED = Message(
+    "the confining stress was not held: {stress:.4g} Pa instead of {wanted:g} Pa at an axial "
+    "strain of {strain:.3g}; use a smaller inertial_number, or a larger box"
+)
+FAST_COMPRESSION = Message(
+    "the inertial number is {number:g}; compression is quasi-static up to about {slowest:g}.",
+    "Use a smaller inertial_number.",
+)
+SHORT_COMPRESSION = Message(
+    "the bed is compressed by {strain:g}; many beds reach the critical state at 0.2 to 0.3.",
+    "Use a larger axial_strain, or take the angle for that of this strain.",
+)
