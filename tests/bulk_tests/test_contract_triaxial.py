@@ -96,7 +96,7 @@ _SIDES = {"x": ("left", "right"), "y": ("front", "back"), "z": ("bottom", "top")
 
 def test_liggghts_refuses_it_with_the_reason() -> None:
     with pytest.raises(InputError, match="the servo of LIGGGHTS holds a force that is a number"):
-        Liggghts(Triaxial(diameter="10 mm", **SMALL), ROUGH_SPHERES)
+        Liggghts(Triaxial(diameter="10 mm", **SMALL), ROUGH_SPHERES).check()
 
 
 def test_particles_that_are_too_soft_for_the_stress_are_refused() -> None:

@@ -169,6 +169,20 @@ CASES = {
         "froude_number",
     ),
     "few-taps": ("warning", starter_file(["tapped"]), "[[test]]"),
+    "fast-compression": (
+        "warning",
+        starter_file(["triaxial"]).replace(
+            'type = "triaxial"', 'type = "triaxial"\ninertial_number = 0.01'
+        ),
+        "inertial_number",
+    ),
+    "short-compression": (
+        "warning",
+        starter_file(["triaxial"]).replace(
+            'type = "triaxial"', 'type = "triaxial"\naxial_strain = 0.2'
+        ),
+        "axial_strain",
+    ),
     "no-end-caps": (
         "warning",
         starter_file(["drum"]).replace('type = "drum"', 'type = "drum"\nwalls = { caps = "glass" }')

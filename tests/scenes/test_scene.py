@@ -250,3 +250,24 @@ def test_a_slope_that_does_not_repeat_is_refused(axes):
     box = Box((-0.2, -0.2, -0.2), (0.2, 0.2, 0.2), axes)
     faults = scene_faults(scene_of(ONE, {"slope": slope}, frames(0.1), box=box))
     assert messages.PRISM_PERIOD.fault("wall slope", axes=axes) in faults
+
+
+def test_a_load_on_an_area_needs_two_parallel_planes_in_their_order():
+    walls = {
+        "left": Wall(Plane("x", -0.1)),
+        "right": Wall(Plane("x", 0.1, upwards=False)),
+        "floor": FLOOR,
+        "tube": Wall(Cylinder(0.1, -0.1, 0.1)),
+    }
+
+    def loaded(*pair):
+        load = Load("z", 1.0, 0.1, 0.1, across=(pair,))
+        press = Stage("press", Elapsed(0.1), motions={"floor": load}, sliding_friction=0.0)
+        return scene_of(ONE, walls, [press])
+
+    right = loaded("left", "right")
+    assert right.first_distance("left", "right") == pytest.approx(0.2)
+    assert right.concepts() >= {"load", "load on an area", "friction of a stage"}
+    for pair in (("right", "left"), ("left", "floor"), ("left", "tube"), ("left", "nothing")):
+        with pytest.raises(InputError, match="two planes of one axis"):
+            loaded(*pair)

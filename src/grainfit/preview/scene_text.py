@@ -49,7 +49,7 @@ _MOTIONS: Mapping[type, Callable[[Any], str]] = {
     Velocity: lambda m: f"moves at {number(m.speed, 3)} m/s along {m.along}",
     Load: lambda m: (
         f"presses with {number(m.force, 3)} N along {m.along}, at most {number(m.largest_speed, 3)}"
-        " m/s"
+        " m/s" + _across(m)
     ),
     Rotation: lambda m: f"turns at {number(m.speed, 3)} rad/s about {m.along}",
 }
@@ -62,6 +62,11 @@ _ENDS: Mapping[type, Callable[[Any], str]] = {
     ),
     Elapsed: lambda u: f"for {_s(u.time)}",
 }
+
+
+def _across(load: Load) -> str:
+    pairs = " and ".join(f"{low} and {high}" for low, high in load.across)
+    return f", times the distance between {pairs} over the first one" if pairs else ""
 
 
 def _s(time: float) -> str:
@@ -106,6 +111,8 @@ def _changes(stage: Stage) -> Iterator[str]:
         yield f"{in_a_row(stage.put)} put"
     if stage.strike_off is not None:
         yield f"particles above {_mm(stage.strike_off)} removed"
+    if stage.sliding_friction is not None:
+        yield f"sliding friction between particles {number(stage.sliding_friction, 3)}"
 
 
 def _motions(stage: Stage) -> Iterator[str]:

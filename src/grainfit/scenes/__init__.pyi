@@ -11,6 +11,7 @@ from grainfit.scenes.packing import Rectangle as Rectangle
 from grainfit.scenes.packing import Round as Round
 from grainfit.scenes.packing import random_column as random_column
 from grainfit.scenes.packing import random_in_tube as random_in_tube
+from grainfit.scenes.packing import Square as Square
 from grainfit.scenes.records import Force as Force
 from grainfit.scenes.records import Frames as Frames
 from grainfit.scenes.records import KineticEnergy as KineticEnergy
