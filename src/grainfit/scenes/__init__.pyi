@@ -9,9 +9,9 @@ from grainfit.scenes.packing import Column as Column
 from grainfit.scenes.packing import PeriodicRectangle as PeriodicRectangle
 from grainfit.scenes.packing import Rectangle as Rectangle
 from grainfit.scenes.packing import Round as Round
+from grainfit.scenes.packing import Square as Square
 from grainfit.scenes.packing import random_column as random_column
 from grainfit.scenes.packing import random_in_tube as random_in_tube
-from grainfit.scenes.packing import Square as Square
 from grainfit.scenes.records import Force as Force
 from grainfit.scenes.records import Frames as Frames
 from grainfit.scenes.records import KineticEnergy as KineticEnergy
