@@ -120,6 +120,7 @@ def of_scenes() -> list[Any]:
             scenes.Round(0.1),
             scenes.Rectangle(0.1, 0.2),
             scenes.PeriodicRectangle(0.1, 0.2),
+            scenes.Square(0.1),
         ),
     ]
     others = [
