@@ -38,7 +38,7 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("shear", ""): (1, 1, "c4332ec0561127e1"),
     ("shear_cell", ""): (1, 1, "163606185230cb8d"),
     ("tapped", ""): (1, 1, "271d275fba2c76ca"),
-    ("triaxial", ""): (1, 1, "e9c6b044dac70b4f"),
+    ("triaxial", ""): (1, 1, "91412400658800fd"),
 }
 #: Revision of clumps, and of some of them time step, s, outer and smallest radius, and moments of
 #: inertia over their mass, at a diameter of 1.
@@ -59,7 +59,7 @@ YADE_DECKS = {
     "shear": (1, "f0e52e2341489d15"),
     "shear_cell": (1, "77cf5b54c8935b2b"),
     "tapped": (1, "0568a69bd9e3199f"),
-    "triaxial": (1, "7dd70b919077ffa6"),
+    "triaxial": (1, "d0caee3037a81c18"),
 }
 #: Revision, height of the column and place of the first particle, m.
 COLUMN = (1, 0.0684905716, (-0.0441319384, -0.0035668218, 0.0367854215))

@@ -168,7 +168,7 @@ class Triaxial(BulkTest):
         part="box",
     )
     axial_strain: Amount = option(
-        _STRAIN, "Axial strain up to which the bed is compressed.", example="0.35", default=0.35
+        _STRAIN, "Axial strain up to which the bed is compressed.", example="0.5", default=0.5
     )
     averaged_strain: Amount = option(
         _STRAIN,

@@ -38,6 +38,7 @@ FAST_COMPRESSION = Message(
     "Use a smaller inertial_number.",
 )
 SHORT_COMPRESSION = Message(
-    "the bed is compressed by {strain:g}; many beds reach the critical state at 0.2 to 0.3.",
+    "the bed is compressed by {strain:g}; dense and loose beds come to one critical state at about "
+    "{least:g}.",
     "Use a larger axial_strain, or take the angle for that of this strain.",
 )

@@ -11,8 +11,9 @@ from grainfit.checks import Found, check
 
 #: Inertial number up to which compression is quasi-static within the scatter of the angles.
 _SLOWEST = 0.003
-#: Strain at which dense and loose beds of spheres have come to the critical state.
-_CRITICAL = 0.3
+#: Strain up to which dense and loose beds of spheres come to one critical state within two standard
+#: errors; up to 0.35 dense ones still had 1.2 degrees more (benchmarks/triaxial.py).
+_CRITICAL = 0.45
 
 
 @check("fast-compression", "warning")
@@ -28,4 +29,4 @@ def short_compression(checked: CheckedTest[Any]) -> Iterator[Found]:
     """Compression that may end before the critical state, where its angle is a target."""
     strain = float(checked.test.axial_strain)
     if strain < _CRITICAL and "critical_friction_angle" in checked.targets:
-        yield "axial_strain", messages.SHORT_COMPRESSION(strain=strain)
+        yield "axial_strain", messages.SHORT_COMPRESSION(strain=strain, least=_CRITICAL)
