@@ -3,6 +3,9 @@
 A run executes in ``runs/IDENTITY.ATTEMPT.partial``. When it has ended, its record is written next
 to the solver's files as ``run.json`` and the folder is renamed to ``runs/IDENTITY``: a folder of
 that name is always complete, and the store can be rebuilt from the folders.
+
+A run that was killed, and has a restart file, waits as ``runs/IDENTITY.interrupted`` for the next
+attempt, which continues in a copy of that folder.
 """
 
 from __future__ import annotations
@@ -18,10 +21,12 @@ from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import UNUSABLE, RunStore
 from grainfit.files import LARGEST_RESPONSES, read_within, write_atomically
+from grainfit.solvers.process.restart_files import remove_restart_files, restart_states
 
 RECORD_NAME = "run.json"
 RESULT_NAME = "result.json"
 PARTIAL_SUFFIX = ".partial"
+INTERRUPTED_SUFFIX = ".interrupted"
 _KEPT_SUFFIXES = frozenset({".log", ".png", ".json"})
 
 
@@ -44,7 +49,7 @@ def recover(folder: Path, store: RunStore) -> None:
     runs = folder / "runs"
     for path in runs.glob(f"*{PARTIAL_SUFFIX}"):
         end_orphans(path)
-        shutil.rmtree(path, ignore_errors=True)
+        put_aside(path)
     # A worker that outlived its process may have finished its run until now, but not later.
     states = store.states()
     unknown = [path for path in sorted(runs.iterdir()) if states.get(path.name) != "finished"]
@@ -80,12 +85,58 @@ def open_run_folder(folder: Path, identity: str) -> Path:
     partial = folder / "runs" / f"{identity}.{secrets.token_hex(4)}{PARTIAL_SUFFIX}"
     # A work folder that was removed must not be created again without its store.
     partial.parent.mkdir(exist_ok=True)
-    partial.mkdir()
+    _copy_interrupted(folder, identity, partial)
+    partial.mkdir(exist_ok=True)
     return partial
+
+
+def _interrupted(folder: Path, identity: str) -> Path:
+    """Folder of a run that waits for its continuation."""
+    return folder / "runs" / f"{identity}{INTERRUPTED_SUFFIX}"
+
+
+def put_aside(partial: Path) -> None:
+    """Keep the folder of a killed run that can be continued; remove others.
+
+    Of two such attempts, the one whose last restart file is later is kept.
+    """
+    interrupted = _interrupted(partial.parents[1], partial.name.partition(".")[0])
+    if _restart_time(partial) > _restart_time(interrupted):
+        shutil.rmtree(interrupted, ignore_errors=True)
+        with suppress(OSError):
+            partial.rename(interrupted)
+    shutil.rmtree(partial, ignore_errors=True)
+
+
+def _restart_time(folder: Path) -> float:
+    """Return when the last restart file of a run was complete, s; 0 without one."""
+    return max((path.stat().st_mtime for path in restart_states(folder)), default=0.0)
+
+
+def _copy_interrupted(folder: Path, identity: str, partial: Path) -> None:
+    """Begin a run folder with the files of an attempt that was killed, if there is one.
+
+    They are copied: a program that outlives its process, as on another machine, may still write
+    into the old ones. What says that the restart files are complete comes last.
+    """
+    sources = [_interrupted(folder, identity), run_folder(folder, identity)]
+    source = max(sources, key=_restart_time)
+    if not _restart_time(source):
+        return
+    states = [path.name for path in restart_states(source)]
+    leave = shutil.ignore_patterns(".session", RECORD_NAME, *states)
+    shutil.copytree(source, partial, ignore=leave)
+    for name in states:
+        shutil.copy2(source / name, partial)
+    shutil.rmtree(sources[0], ignore_errors=True)
 
 
 def close_run_folder(partial: Path, final: Path, record: RunRecord, keep: Keep = "all") -> None:
     """Write the record of an ended run into its folder, and give the folder its final name."""
+    # The next attempt continues where a machine failed.
+    if record.kind != "machine":
+        remove_restart_files(partial)
+        shutil.rmtree(_interrupted(final.parents[1], final.name), ignore_errors=True)
     write_atomically(partial / RECORD_NAME, json.dumps(record.to_json(), indent=1))
     if _is_as_good(read_record(final), record):
         # Another worker has finished the same run meanwhile; finished runs are never removed.
@@ -111,7 +162,7 @@ def _is_as_good(kept: RunRecord | None, record: RunRecord) -> bool:
 
 
 def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
-    """End the solvers of unfinished runs on this machine, and remove the run folders.
+    """End the solvers of unfinished runs on this machine, and remove or put aside the run folders.
 
     Workers on other machines notice that their folder is gone, and end.
     """
@@ -125,7 +176,7 @@ def discard_partial_folders(folder: Path, identities: Iterable[str]) -> None:
             with suppress(OSError):
                 partial.rename(gone)
             end_orphans(gone)
-            shutil.rmtree(gone, ignore_errors=True)
+            put_aside(gone)
 
 
 def prune_run_folder(folder: Path) -> int:

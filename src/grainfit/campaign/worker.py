@@ -8,7 +8,6 @@ absent, so that a run is kept even if the process that started it has died.
 from __future__ import annotations
 
 import math
-import shutil
 import threading
 import time
 import traceback
@@ -20,7 +19,7 @@ from grainfit.campaign import messages
 from grainfit.campaign.absent_responses import why_absent
 from grainfit.campaign.keep import Keep
 from grainfit.campaign.store.records import RunRecord
-from grainfit.campaign.work_folder import close_run_folder, open_run_folder, run_folder
+from grainfit.campaign.work_folder import close_run_folder, open_run_folder, put_aside, run_folder
 from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import Measured, scalars
 from grainfit.solvers.base import Solver, Workspace
@@ -99,7 +98,7 @@ def execute(task: RunTask, cancelled: threading.Event | None = None) -> RunRecor
 def _put_away(task: RunTask, partial: Path, outcome: RunRecord) -> RunRecord:
     """Keep the folder of a run. If the disk is full, the run still has its responses."""
     if outcome.kind == "cancelled":
-        shutil.rmtree(partial, ignore_errors=True)
+        put_aside(partial)
         return outcome
     try:
         close_run_folder(partial, run_folder(task.folder, outcome.identity), outcome, task.keep)

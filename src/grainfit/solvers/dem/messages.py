@@ -48,6 +48,14 @@ EMPTY_BOX_PRESSED = Message(
     "{stage!r}. LAMMPS and YADE can."
 )
 
+# --- runs that are continued ---------------------------------------------------------------------
+
+CONTINUED = Message("continues at time step {step} of the stage {stage!r}, from {file}")
+UNUSABLE_RESTART = Message("{file} cannot be used: {reason}")
+OTHER_DECK = Message("starts anew: the restart files are of another deck")
+NO_RESTARTS = Message("writes no restart files, which grainfit does not have for {solver}")
+NO_RESTARTS_OF = Message("writes no restart files: {what} could not be continued exactly")
+
 # --- walls and scenes ----------------------------------------------------------------------------
 
 WALL_OF_NOTHING = Message(

@@ -62,6 +62,7 @@ from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.parts import PartsOnWalls
+from grainfit.solvers.dem.restarts import note, steps_between
 from grainfit.solvers.dem.sphere_types import is_one_size
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 from grainfit.solvers.run_cost import RunCost
@@ -263,7 +264,11 @@ class DeckSolver(Solver):
         for fault in self._material_faults(material):
             raise RunFailedError(str(fault))
         with recorded_faults(workspace):
-            run = self.simulate(self._filmed(self._scene(material, seed), material), workspace)
+            scene = self._filmed(self._scene(material, seed), material)
+            every = steps_between(
+                self.estimate_cost_of(self.test, self._parts.material_of_test(material))
+            )
+            run = self.simulate(scene, workspace, every)
             try:
                 return self.test.measure(run)
             except NotMeasurableError as error:
@@ -277,8 +282,13 @@ class DeckSolver(Solver):
         expected = self.test.simulated_time(self._parts.material_of_test(material))
         return filmed(scene, frames, duration or expected)
 
-    def simulate(self, scene: Scene, workspace: Workspace) -> RunOutput:
+    def simulate(
+        self, scene: Scene, workspace: Workspace, restart_every: int | None = None
+    ) -> RunOutput:
         """Translate a scene, run the program, and return the output.
+
+        A program that can do so writes restart files, ``restart_every`` time steps apart, and
+        continues from the one that it finds in the folder.
 
         Raises
         ------
@@ -292,12 +302,20 @@ class DeckSolver(Solver):
             scene = replace(scene, contact_models=self.contact_models)
         deck = self.deck(scene, workspace.folder)
         try:
-            self._simulate(deck.write(), workspace)
+            if restart_every is None:
+                self._simulate(deck.write(), workspace)
+            else:
+                self._simulate_long(scene, workspace, restart_every)
         except RunFailedError as error:
             if not self._ended_empty(error, scene, deck):
                 raise
         struck = [stage.name for stage in scene.stages if stage.strike_off is not None]
         return RunOutput(workspace.folder, len(scene.particles.size_indices), struck)
+
+    def _simulate_long(self, scene: Scene, workspace: Workspace, every: int) -> None:  # noqa: ARG002
+        """Run the program so that a run that is killed can be continued, if it can be."""
+        note(workspace.folder, messages.NO_RESTARTS(solver=self.title))
+        self._simulate(self.deck(scene, workspace.folder).write(), workspace)
 
     def _ended_empty(
         self,

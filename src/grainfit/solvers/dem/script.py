@@ -10,9 +10,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.conditions import AtRest, Clear, Condition, Elapsed, Loaded
 from grainfit.scenes.film import FILM
-from grainfit.scenes.records import Force, KineticEnergy, MassAbove, RadialForce, Recorded, Travel
+from grainfit.scenes.records import (
+    Force,
+    KineticEnergy,
+    MassAbove,
+    RadialForce,
+    Recorded,
+    Series,
+    Travel,
+)
 from grainfit.scenes.run_output import STAGES, STAGES_HEADER, series_file, snapshot_file
 from grainfit.scenes.scene import Load, Motion, Scene, Stage, Wall, load_on
 from grainfit.solvers.dem.deck import SceneDeck
@@ -80,7 +88,8 @@ class ScriptDeck(SceneDeck):
         yield from self.first_walls()
         yield heading("motion, and what is looked at")
         yield from self.motion()
-        yield from self._film_run()
+        yield command("print", f'"{STAGES_HEADER}" file {STAGES}')
+        yield from self.film_run()
         for stage in self.scene.stages:
             yield from self.stage(stage)
         yield command("jump", "SELF end")
@@ -237,7 +246,6 @@ class ScriptDeck(SceneDeck):
         yield command("thermo_style", f"custom step atoms time {self.shown_energy} cpu")
         yield command("thermo_modify", "lost ignore norm no")
         yield command("thermo", f"{scene.steps(scene.check_interval)}")
-        yield command("print", f'"{STAGES_HEADER}" file {STAGES}')
 
     # --- stages --------------------------------------------------------------------------------
 
@@ -251,12 +259,16 @@ class ScriptDeck(SceneDeck):
             yield from self.strike_off(stage.strike_off)
         yield from self.change_walls(stage)
         yield command("variable", "start equal ${now}")
-        yield from self._start_motions(stage)
-        yield from self._record(stage)
-        yield from self._film_stage(stage)
+        yield from self.start_motions(stage)
+        yield from self.record(stage)
         if stage.is_closed:
             yield command("variable", "expected equal ${remaining}")
-        yield from self._until(stage)
+        yield from self.before(stage)
+        yield from self.until(stage)
+
+    def until(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the commands of a stage from its first look on."""
+        yield from self._looks(stage)
         if stage.series is not None:
             yield command("unfix", "series")
         if stage.frames is not None:
@@ -280,7 +292,8 @@ class ScriptDeck(SceneDeck):
         yield command("group", "surplus delete")
         yield command("region", "above delete")
 
-    def _start_motions(self, stage: Stage) -> Iterator[str]:
+    def start_motions(self, stage: Stage) -> Iterator[str]:
+        """Start the motions of a stage."""
         yield from self._glued.stop_moved(stage)
         for name in stage.motions:
             if name in self.scene.glued:
@@ -295,52 +308,65 @@ class ScriptDeck(SceneDeck):
             else:
                 yield from self.stop_motion(name, stage.motions_of(name)[0])
 
-    def _until(self, stage: Stage) -> Iterator[str]:
+    def _looks(self, stage: Stage) -> Iterator[str]:
+        """Iterate over the looks at a stage, and the runs between them."""
         scene, until, name = self.scene, stage.until, stage.name
         if isinstance(until, Elapsed):
-            yield command("run", f"{scene.steps(until.time)} post no")
             yield from self._look()
             if stage.is_closed:
                 yield self._jump("${count} < ${expected}", "broken")
             yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
             return
-        yield from self.before(stage)
         yield command("label", name)
         yield from self._look()
         if stage.is_closed:
             yield self._jump("${count} < ${expected}", "broken")
         yield self._jump(f"${{energy}} > {scene.energy_limit}", "unstable")
-        yield from self._looks(until, name)
+        yield from self._conditions(until, name)
         yield command("variable", "since equal ${passed}-${start}")
         late = f"{name}_done" if isinstance(until, Clear) else "restless"
         if isinstance(until, Loaded):
             late = "unloaded"
         yield self._jump(f"${{since}} >= {scene.steps(until.limit)}", late)
-        yield command("run", f"{scene.steps(scene.check_interval)} {self.without}")
+        yield from self.steps(stage, scene.steps(scene.check_interval), self.without)
         yield command("jump", f"SELF {name}")
         yield command("label", f"{name}_done")
 
     def before(self, stage: Stage) -> Iterator[str]:
         """Iterate over the commands before the first look."""
         scene, until = self.scene, stage.until
+        if isinstance(until, Elapsed):
+            yield from self.steps(stage, scene.steps(until.time))
+            return
         if isinstance(until, AtRest):
             # Particles that have not begun to fall are not at rest.
             first = scene.check_interval if stage is scene.stages[0] else 0.0
             if max(until.at_least, first) > 0:
-                yield command("run", f"{scene.steps(max(until.at_least, first))} post no")
+                yield from self.steps(stage, scene.steps(max(until.at_least, first)))
             return
+        yield from self.looked_at(until)
+        yield from self.steps(stage, scene.steps(scene.check_interval))
+
+    def looked_at(self, until: Condition, near: str = "0") -> Iterator[str]:
+        """Define the variables that looks of a stage need beside those of all stages.
+
+        Whether the load was reached at the last look is ``near``.
+        """
         if isinstance(until, Clear):
             yield command("variable", f"highest equal bound({self.loose},zmax)")
-        else:
-            yield command("variable", "near equal 0")
-        yield command("run", f"{scene.steps(scene.check_interval)} post no")
+        elif isinstance(until, Loaded):
+            yield command("variable", f"near equal {near}")
+
+    def steps(self, stage: Stage, number: int, without: str = "post no") -> Iterator[str]:  # noqa: ARG002
+        """Simulate time steps of a stage."""
+        yield command("run", f"{number} {without}")
 
     def _look(self) -> Iterator[str]:
         yield command("variable", "energy equal ${kinetic}")
         yield command("variable", "passed equal ${now}")
         yield command("variable", "count equal ${remaining}")
 
-    def _looks(self, until: AtRest | Clear | Loaded, name: str) -> Iterator[str]:
+    def _conditions(self, until: AtRest | Clear | Loaded, name: str) -> Iterator[str]:
         """Iterate over the conditions that end a stage well."""
         rest = f"${{energy}} < {self.scene.energy_at_rest}"
         if isinstance(until, AtRest):
@@ -407,39 +433,39 @@ class ScriptDeck(SceneDeck):
 
     # --- records -------------------------------------------------------------------------------
 
-    def _record(self, stage: Stage) -> Iterator[str]:
+    def record(self, stage: Stage, *, more: bool = False) -> Iterator[str]:
+        """Record the series and the frames of a stage; append ``more`` to those that are there."""
+        if stage.series is not None:
+            yield from self._record(stage, stage.series, more=more)
+        if stage.frames is not None:
+            name = stage.frames.name
+            yield from self._dump(name, snapshot_file(name), stage.frames.every, more=more)
+
+    def _record(self, stage: Stage, series: Series, *, more: bool) -> Iterator[str]:
         """Define the variables of a stage's series, and record them."""
-        if stage.series is None:
-            return
-        columns = stage.series.columns
+        columns = series.columns
         for name, quantity in columns.items():
             yield from self._quantity(quantity, _recorded(name))
         row = ",".join(f"${{{name}}}" for name in ("elapsed", *map(_recorded, columns)))
         title = ",".join(("time", *columns))
-        every = self.scene.steps(stage.series.every)
+        every = self.scene.steps(series.every)
         path = series_file(stage.name)
+        file = f'append {path} title ""' if more else f'file {path} title "{title}"'
         yield continued(
-            command("fix", f"series all print {every}"),
-            [f'"{row}"', f'file {path} title "{title}" screen no'],
+            command("fix", f"series all print {every}"), [f'"{row}"', f"{file} screen no"]
         )
 
-    def _film_stage(self, stage: Stage) -> Iterator[str]:
-        """Write snapshots of the particles into one file while the stage goes on."""
-        if stage.frames is not None:
-            name = stage.frames.name
-            yield from self._dump(name, snapshot_file(name), stage.frames.every)
-
-    def _film_run(self) -> Iterator[str]:
+    def film_run(self, *, more: bool = False) -> Iterator[str]:
         """Write the frames of the whole run."""
         if self.scene.film_interval is not None:
             yield heading("frames of all stages")
-            yield from self._dump(_FILM_DUMP, FILM, self.scene.film_interval)
+            yield from self._dump(_FILM_DUMP, FILM, self.scene.film_interval, more=more)
 
-    def _dump(self, name: str, file: str, every: float) -> Iterator[str]:
+    def _dump(self, name: str, file: str, every: float, *, more: bool) -> Iterator[str]:
         """Write the particles into one file from now on, at an interval in s."""
-        steps = self.scene.steps(every)
+        steps, appended = self.scene.steps(every), " append yes" if more else ""
         yield command("dump", f"{name} all custom {steps} {file} {self.snapshot_columns}")
-        yield command("dump_modify", f"{name} sort id{self.snapshot_filter}")
+        yield command("dump_modify", f"{name} sort id{self.snapshot_filter}{appended}")
 
     def _quantity(self, quantity: Recorded, name: str) -> Iterator[str]:
         """Define the variable of a recorded quantity."""

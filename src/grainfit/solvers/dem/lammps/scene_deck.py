@@ -43,6 +43,8 @@ class LammpsSceneDeck(ScriptDeck):
 
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.clumps = None if scene.clumps is None else RigidClumps(scene)
+        #: Travels that walls begin with, m or rad; 0 for those without.
+        self.travels: Mapping[str, str] = {}
         super().__init__(scene, folder)
 
     def head(self) -> Iterator[str]:
@@ -56,7 +58,7 @@ class LammpsSceneDeck(ScriptDeck):
         yield command("comm_modify", f"vel yes{cutoff}")
         yield command("processors", "* * 1".ljust(23) + " # a bed is split from above only")
         if self.clumps is None:
-            yield command("read_data", PARTICLES)
+            yield self.read_particles()
         else:
             yield from self.clumps.read(PARTICLES)
         yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
@@ -66,6 +68,10 @@ class LammpsSceneDeck(ScriptDeck):
             return
         yield "# Particles are no molecules: without this, one alone would have no kinetic energy."
         yield command("compute_modify", "thermo_temp extra/dof 0")
+
+    def read_particles(self) -> str:
+        """Return the command that reads the particles."""
+        return command("read_data", PARTICLES)
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return one type for each diameter."""
@@ -167,7 +173,7 @@ class LammpsSceneDeck(ScriptDeck):
             for number in self._numbers():
                 yield command("group", f"size{number} subtract size{number} glued")
         for name, wall in self.scene.walls.items():
-            yield from self._put(name, wall)
+            yield from self.put(name, wall)
 
     def change_walls(self, stage: Stage) -> Iterator[str]:
         """Take away and put walls; each has its own fixes, so that the others stay as they are."""
@@ -175,17 +181,18 @@ class LammpsSceneDeck(ScriptDeck):
             yield from self.forget_sums(name)
             yield from (command("unfix", f"{name}{n}") for n in self._numbers())
         for name, wall in stage.put.items():
-            yield from self._put(name, wall)
+            yield from self.put(name, wall)
 
     def _numbers(self) -> range:
         return range(1, len(self._kinds.radii) + 1)
 
-    def _put(self, name: str, wall: Wall) -> Iterator[str]:
+    def put(self, name: str, wall: Wall) -> Iterator[str]:
+        """Put a wall."""
         motion = self.moving_walls().get(name)
         move = ""
         if motion is not None:
-            style = "internal" if self._is_loaded(name) else "equal"
-            yield command("variable", f"{name}_travel {style} 0.0")
+            style = "internal" if self.is_loaded(name) else "equal"
+            yield command("variable", f"{name}_travel {style} {self.travels.get(name, '0.0')}")
             move = f" {self._moved(name, motion)}"
         yield command("region", f"{name} {self._region(wall.shape)}{move}")
         material = self.scene.material_on(wall.surface)
@@ -210,7 +217,8 @@ class LammpsSceneDeck(ScriptDeck):
         along[self.component(motion.along)] = f"v_{wall}_travel"
         return f"move {' '.join(along)}"
 
-    def _is_loaded(self, wall: str) -> bool:
+    def is_loaded(self, wall: str) -> bool:
+        """Return whether a wall is under a load in some stage."""
         return any(isinstance(motion, Load) for motion in self.scene.motions_of(wall))
 
     def _region(self, shape: Shape) -> str:
@@ -261,7 +269,7 @@ class LammpsSceneDeck(ScriptDeck):
     def start_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Start a motion of a wall."""
         travel = f"{wall}_travel"
-        if isinstance(motion, Rotation) or not self._is_loaded(wall):
+        if isinstance(motion, Rotation) or not self.is_loaded(wall):
             yield from self.follow(wall, motion.speed)  # type: ignore[union-attr]
             return
         yield from self.record_force(wall, motion.along, f"{wall}_force")
@@ -298,7 +306,7 @@ class LammpsSceneDeck(ScriptDeck):
 
     def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:  # noqa: ARG002
         """Stop a motion of a wall where it is."""
-        if self._is_loaded(wall):
+        if self.is_loaded(wall):
             yield command("unfix", f"{wall}_motion")
         else:
             yield from self.hold(wall)
