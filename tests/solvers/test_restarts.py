@@ -34,6 +34,9 @@ from grainfit.testing.simulated_scenes import RADIUS, SIZES, material, scene_of,
 
 SMALL = Heap(diameter="10 mm", **SMALL_HEAP)
 ROUGH = material(0.4, 0.5)
+#: Standard deviations of the small heap over 14 seeds. A break is one more roll of the dice: what
+#: follows differs in rounding, and collisions of a fill make another bed of that.
+SCATTER = {"bulk_density": 6.1, "angle_of_repose": 1.2, "base_radius": 0.0013}
 #: Runs that are killed: they count as long, and save about once in a tenth of a run.
 KILLED = """
     from pathlib import Path
@@ -249,6 +252,7 @@ def test_a_run_killed_at_random_moments_continues_by_itself_to_the_same_response
     unbroken.mkdir()
     expected = scalars(solver.run({}, 5, Workspace(unbroken, 120.0)))
     found = scalars(SMALL.measure(RunOutput(run)))
-    for name, response in expected.items():
-        scatter = 2 * response.standard_error
-        assert found[name].value == pytest.approx(response.value, abs=scatter), name
+    for name, scatter in SCATTER.items():
+        assert found[name].value == pytest.approx(expected[name].value, abs=6 * scatter), name
+    names = [stage.name for stage in RunOutput(unbroken).stages]
+    assert [stage.name for stage in RunOutput(run).stages] == names
