@@ -82,6 +82,7 @@ def pressed() -> Scene:
             series=Series({**seen, "energy": KineticEnergy()}, 0.001),
             frames=Frames("pushing", 0.01),
             snapshot="pushed",
+            sliding_friction=0.2,
             is_closed=True,
         ),
         Stage("free", Elapsed(0.05), take_away=("lid",), snapshot="freed"),

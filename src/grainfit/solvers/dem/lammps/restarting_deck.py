@@ -180,6 +180,8 @@ class RestartingDeck(LammpsSceneDeck):
         yield command("if", f'"${{spheres}} != {saved.particles}" then "quit 1"')
         yield heading(f"{stage.name}, continued")
         yield command("variable", f"stage string {stage.name}")
+        if stage.sliding_friction is not None:
+            yield from self.between_particles(stage.sliding_friction)
         yield command("variable", f"start equal {saved.start}")
         yield from self.start_motions(stage)
         yield "# Contacts and walls of the restart file are complete if this works."
