@@ -50,7 +50,7 @@ def test_the_chosen_model_moves_the_particles(tmp_path, solver: str) -> None:
 
 def test_models_that_cannot_be_chosen_are_named() -> None:
     test = Packing(diameter="10 mm")
-    known = "sjkr, sjkr2, jkr, dmt, epsd, epsd2"
+    known = "hertz_mindlin, linear, sjkr, sjkr2, jkr, dmt, epsd, epsd2"
     unknown = contact_messages.UNKNOWN_MODEL(name="hooke", known=known)
     with pytest.raises(InputError, match=re.escape(unknown)):
         Lammps(test, GLASS_BEADS, contact_models=["hooke"])
