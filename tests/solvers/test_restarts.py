@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +19,8 @@ import pytest
 from small_heaps import SMALL_HEAP
 
 from grainfit.bulk_tests.heap import Heap
+from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.worker import RunTask, execute
 from grainfit.evaluation import scalars
 from grainfit.scenes.conditions import Elapsed, Loaded
 from grainfit.scenes.film import FILM
@@ -257,3 +260,37 @@ def test_a_run_killed_at_random_moments_continues_by_itself_to_the_same_response
         assert found[name].value == pytest.approx(expected[name].value, abs=6 * scatter), name
     names = [stage.name for stage in RunOutput(unbroken).stages]
     assert [stage.name for stage in RunOutput(run).stages] == names
+
+
+@pytest.mark.parametrize("kind", ["cancelled", "machine"])
+def test_a_run_that_the_user_stops_or_whose_solver_is_killed_continues_in_the_next_attempt(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(restarts, "LONG_RUN", 0.0)
+    monkeypatch.setattr(restarts, "INTERVAL", 0.1)
+    solver = Lammps(SMALL, GLASS_BEADS)
+    definition = solver.definition({}, 5)
+    record = RunRecord(definition.identity, "heap", "running", definition)
+    task = RunTask(record, solver, {}, 5, tmp_path)
+    stop = threading.Event()
+
+    def interrupt() -> None:
+        while not (states := [*tmp_path.glob("runs/*.partial/restart.*.state")]):
+            time.sleep(0.01)
+        if kind == "cancelled":
+            stop.set()
+        else:
+            leader = (states[0].parent / ".session").read_text().split()[0]
+            os.killpg(int(leader), signal.SIGKILL)
+
+    thread = threading.Thread(target=interrupt, daemon=True)
+    thread.start()
+    first = execute(task, stop)
+    thread.join(10.0)
+    second = execute(task)
+
+    assert (first.status, first.kind) == ("failed", kind)
+    assert second.status == "finished"
+    (run,) = (tmp_path / "runs").iterdir()
+    assert "continues at time step" in (run / restarts.LOG).read_text()
+    assert not list(run.glob("restart.*"))
