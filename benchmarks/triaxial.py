@@ -67,9 +67,8 @@ def print_table(kept: Path) -> None:
             of_material.append(record["responses"])
         else:
             failed += 1
-    print(
-        "| solver | friction | axial strain | friction at first | runs | initial density | peak | critical |"
-    )
+    heads = ("solver", "friction", "axial strain", "friction at first", "runs")
+    print(f"| {' | '.join((*heads, 'initial density', 'peak', 'critical'))} |")
     print("|---|---|---|---|---|---|---|---|")
     for (solver, friction, strain), of_material in sorted(beds.items()):
         for first, runs in sorted(of_material.items()):
