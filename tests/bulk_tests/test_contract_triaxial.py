@@ -14,6 +14,7 @@ import pytest
 from grainfit.bulk_tests.abilities import material_faults
 from grainfit.bulk_tests.triaxial import Triaxial
 from grainfit.bulk_tests.triaxial.curve import Compression, mobilised_angle
+from grainfit.calibration_file.starter import starter_file
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.scenes.run_output import RunOutput
@@ -97,6 +98,11 @@ _SIDES = {"x": ("left", "right"), "y": ("front", "back"), "z": ("bottom", "top")
 def test_liggghts_refuses_it_with_the_reason() -> None:
     with pytest.raises(InputError, match="the servo of LIGGGHTS holds a force that is a number"):
         Liggghts(Triaxial(diameter="10 mm", **SMALL), ROUGH_SPHERES).check()
+
+
+def test_a_first_file_offers_only_programs_that_have_it() -> None:
+    assert '# or "yade"\n' in starter_file(["triaxial"])
+    assert '# or "liggghts", "yade"\n' in starter_file(["heap"])
 
 
 def test_particles_that_are_too_soft_for_the_stress_are_refused() -> None:

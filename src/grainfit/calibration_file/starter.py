@@ -242,7 +242,9 @@ def _test(
         yield _with_remark(f'apparatus = "{instrument.name}"', instrument.title)
     if name:
         yield _with_remark(f'name = "{name}"', "this test's own name")
-    others = ", ".join(f'"{other}"' for other in DEM_PROGRAMS if other != solver)
+    needed = concepts(test(diameter=f"{DIAMETER_OF_EXAMPLES} mm"))
+    able = [name for name, one in DEM_PROGRAMS.items() if not needed & set(one.missing)]
+    others = ", ".join(f'"{other}"' for other in able if other != solver)
     yield _with_remark(f'solver = "{solver}"', f"or {others}")
     yield "# Geometry and procedure, as in your laboratory. These defaults follow the diameter d."
     set_options = starter_remarks(test)
