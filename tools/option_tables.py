@@ -65,7 +65,7 @@ def _instrument(instrument: Instrument) -> str:
     )
     return "\n\n".join(
         [
-            f"### `{instrument.name}`: {instrument.title}",
+            f"## `{instrument.name}`: {instrument.title}",
             f'`type = "{instrument.type}"`. {" ".join(instrument.procedure)}',
             _table(("dimension", "source"), options),
             _table(("the report prints", "response", ""), prints),
