@@ -16,8 +16,8 @@ from grainfit.materials.sizes import ParticleSizes
 def test_the_test_is_found_under_its_public_name() -> None:
     assert gf.tests.Heap is Heap
     assert "Heap" in dir(gf.tests)
-    with pytest.raises(AttributeError, match="Triaxial"):
-        gf.tests.Triaxial  # noqa: B018
+    with pytest.raises(AttributeError, match="Brazilian"):
+        gf.tests.Brazilian  # noqa: B018
 
 
 def test_quantities_and_numbers_are_the_same_test() -> None:
