@@ -88,6 +88,7 @@ def test_the_density_of_beads_in_a_packing_is_calibrated_on_liggghts(tmp_path: P
     assert result["parameters"]["particle.density"] == pytest.approx(2310, rel=0.02)
 
 
+@pytest.mark.thorough
 def test_a_narrow_interval_is_recognised_as_out_of_reach(tmp_path: Path) -> None:
     # A narrower cylinder takes half the time; its wall loosens the bed by a percent.
     small = '"lammps"\\ncylinder_radius = "45 mm"'
@@ -111,6 +112,7 @@ def test_a_narrow_interval_is_recognised_as_out_of_reach(tmp_path: Path) -> None
     assert "particle.density.max = 2205" in " ".join(done.stdout.split())
 
 
+@pytest.mark.thorough
 def test_kill_dash_nine_in_mid_run_loses_no_finished_simulation(tmp_path: Path) -> None:
     file = example(tmp_path, "calibration.toml")
     text = file.read_text() + "\n[strategy]\ndesign_runs = 5\nmax_runs = 8\nverification_runs = 2\n"

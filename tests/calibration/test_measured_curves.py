@@ -192,6 +192,7 @@ def test_more_points_do_not_promise_more_than_common_errors_allow() -> None:
     assert half_width(40, "0 %") == pytest.approx(1.96 * 0.01 / 40**0.5, rel=0.15)
 
 
+@pytest.mark.thorough
 def test_curve_of_a_shape_that_no_run_has_is_out_of_tolerance() -> None:
     wave = stress(TRUTH, STRAINS) * (1 + 0.15 * np.sin(np.arange(len(STRAINS))))
     result = calibrated(measured(wave))

@@ -100,6 +100,7 @@ def test_impossible_relatives_are_refused_with_their_line(tmp_path: Path) -> Non
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_heap_is_calibrated_with_softer_particles(tmp_path: Path) -> None:
     text = GLASS_BEADS.replace(
         'type = "heap"',

@@ -193,6 +193,8 @@ def cases() -> Iterator[Any]:
         for law in LAWS:
             if all(name in m.solvers for m in CONTACT_MODELS if m.name == law):
                 found = [marks[name]] if name in marks else []
+                if (name, law) == ("yade", "epsd"):
+                    found.append(pytest.mark.thorough)
                 yield pytest.param(name, law, marks=[pytest.mark.slow, *found], id=f"{name}-{law}")
 
 

@@ -240,6 +240,7 @@ def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("_quick")
+@pytest.mark.thorough
 def test_what_happens_to_jobs_costs_the_runs_in_them_alone(tmp_path: Path) -> None:
     """The node of a job goes down, others reach the walltime, are cancelled, preempted, requeued.
 
@@ -334,6 +335,7 @@ def silent_controller(slurm: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[
 
 
 @pytest.mark.usefixtures("_quick", "_whole_cluster")
+@pytest.mark.thorough
 def test_a_silent_controller_and_a_lost_node_cost_the_current_runs_alone(
     slurm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -422,6 +424,7 @@ def designed(result: Result) -> dict[tuple[object, ...], object]:
     return {(*run.parameters.values(), run.seed): run.responses for run in runs}
 
 
+@pytest.mark.thorough
 def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:
     # Ranks that wait for each other keep the cores busy: a few hundred particles are enough.
     bed = Packing(diameter=0.01, cylinder_radius=0.04, fill_height=0.07)

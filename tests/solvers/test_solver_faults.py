@@ -524,7 +524,9 @@ def test_real_solver_whose_folder_is_removed(solver_type, tmp_path):
     def remove_at_work() -> None:
         while not any(path.stat().st_size for path in folder.glob("log.*")):
             time.sleep(0.01)
-        shutil.rmtree(folder)
+        # The solver may write a file between two of its steps.
+        while folder.exists():
+            shutil.rmtree(folder, ignore_errors=True)
 
     thread = threading.Thread(target=remove_at_work)
     thread.start()

@@ -126,7 +126,9 @@ def test_few_runs_of_others_make_the_design_smaller_by_their_number(noisy) -> No
 FLOOR = heap_problem(tolerance=0.02)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    "seed", [1, 2, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (3, 4))]
+)
 def test_a_tolerance_far_below_the_noise_ends_it_with_the_runs_it_would_take(seed: int) -> None:
     search = Sequential().start(FLOOR, seed)
     evaluations = converse(search, heap)
@@ -200,6 +202,7 @@ def test_targets_within_reach_are_never_called_out_of_reach_early() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_targets_within_reach_are_never_called_out_of_reach() -> None:
     # The 20 calibrations with the usual noise ask the same of other seeds.
     assert alarms(range(20, 23), budget=None) == []
@@ -359,7 +362,7 @@ def test_what_the_machine_has_spoilt_is_tried_again_with_another_seed() -> None:
         assert {e.proposal.stage for e in tries} == {"design"}
 
 
-@pytest.mark.parametrize("comes_again", [False, True])
+@pytest.mark.parametrize("comes_again", [pytest.param(False, marks=pytest.mark.thorough), True])
 def test_a_run_that_does_not_belong_to_the_others_is_run_again(comes_again: bool) -> None:
     jammed: list[Proposal] = []
 

@@ -78,6 +78,7 @@ def test_without_noise_the_expected_responses_meet_the_targets_closely() -> None
     assert answer["angle"] == pytest.approx(22.0, rel=0.005)
 
 
+@pytest.mark.thorough
 def test_with_noise_most_answers_are_close_in_the_expected_response() -> None:
     # The recorded staged calibrations ended with a deviation of the angle of 1.4 % in the median
     # and 3.6 % at the 90th percentile; 20 seeds leave room for one standard error of either.

@@ -84,6 +84,7 @@ def test_the_command_has_the_workdir_that_a_folder_in_use_asks_for() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     tmp_path: Path,
 ) -> None:
