@@ -7,7 +7,7 @@ the seed is all that differs between two fillings.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -240,6 +240,11 @@ class Column:
         if self.orientations is not None:
             return self.orientations
         return np.tile([0.0, 0.0, 0.0, 1.0], (len(self.size_indices), 1))
+
+    def raised(self, way: float) -> Column:
+        """Return the column higher by a way, m."""
+        positions = self.positions + np.array([0.0, 0.0, way])
+        return replace(self, positions=positions, height=self.height + way)
 
     def outlines(self, spheres: ClumpSpheres) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return centres and radii of the spheres of clumps, clump by clump, m."""

@@ -32,7 +32,7 @@ from grainfit.bulk_tests.sensitivities import (
     Sensitivities,
 )
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
-from grainfit.bulk_tests.shared.options import LENGTH, settling_option
+from grainfit.bulk_tests.shared.options import LENGTH, STRESS, settling_option
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.size import scaled
@@ -72,8 +72,6 @@ _SMALLER, _LARGER = 0.7, 0.5
 _USUAL_TRAVEL = 0.128
 #: The bed is at rest soon after the shortest fill stage.
 _FILL_SHARE = 1.05
-
-_STRESS = Quantity("Pa", above_zero=True, highest=1e12)
 
 
 @dataclass(frozen=True)
@@ -174,13 +172,13 @@ class Compression(BulkTest):
     }
 
     stress: Amount | None = option(
-        _STRESS,
+        STRESS,
         "Stress of the piston on the bed. Young's modulus must be at least 1000 times as much.",
         example='"10 kPa"',
         default=Derived("10 kPa for d = 10 mm", lambda s: s.usual_stress),
     )
     seating_stress: Amount | None = option(
-        _STRESS,
+        STRESS,
         "Stress under which strain is zero, and to which the bed is unloaded.",
         example='"500 Pa"',
         default=Derived("5 % of the stress", lambda s: s.usual_seating),

@@ -324,10 +324,10 @@ class Funnel(BulkTest):
         require_separate(run.snapshot(_BED))
         end = run.snapshot(_HEAP)
         write_vtk(run.folder / "heap.vtk", end)
-        view = self.view(run)
-        picture = run.folder / _PICTURE
+        outlet, picture = self._outlet_height(run), run.folder / _PICTURE
+        view = self._below(end, outlet)
         try:
-            self._require_empty(end, self._outlet_height(run))
+            self._require_empty(end, outlet)
             measured = view.measure(picture, "" if self.setup.is_disc else _AT_EDGE)
         except RunFailedError as error:
             view.picture(picture, str(error))
@@ -375,6 +375,10 @@ class Funnel(BulkTest):
 
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""
-        setup, end = self.setup, run.snapshot(_HEAP)
-        below = end.select(end.positions[:, 2] < self._outlet_height(run))
+        return self._below(run.snapshot(_HEAP), self._outlet_height(run))
+
+    def _below(self, end: Particles, outlet: float) -> HeapView:
+        """Return the heap of the particles below an outlet, whose height is in m."""
+        setup = self.setup
+        below = end.select(end.positions[:, 2] < outlet)
         return HeapView(below, setup.plate_radius, setup.rim_height, self.ground, self.views)

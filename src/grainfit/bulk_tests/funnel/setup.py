@@ -11,7 +11,7 @@ from grainfit.bulk_tests.funnel import messages
 from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
 from grainfit.bulk_tests.shared.orifice import Orifice
-from grainfit.bulk_tests.shared.plate import ON_DISC, expected_foot
+from grainfit.bulk_tests.shared.plate import ON_DISC, cone_radius, expected_foot
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round
@@ -49,8 +49,7 @@ def cone_volume(radius: float, angle: float) -> float:
 
 def cone_height(volume: float, angle: float) -> float:
     """Return the height of a cone of a volume, m^3, and an inclination, degrees, in m."""
-    slope = math.tan(math.radians(angle))
-    return slope * math.pow(3 * volume / (math.pi * slope), 1 / 3)
+    return math.tan(math.radians(angle)) * cone_radius(volume, angle)
 
 
 class FunnelSetup(Setup):
@@ -102,8 +101,7 @@ class FunnelSetup(Setup):
         """Default of the radius of plate or disc, m."""
         volume = self.poured_volume
         if self.is_disc:
-            unit = cone_volume(1.0, _COVERED)
-            return float((volume / _SURPLUS / unit) ** (1 / 3))
+            return cone_radius(volume / _SURPLUS, _COVERED)
         return expected_foot(volume, _FLAT, self.d) + 2 * self.d
 
     @property

@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar, Self
 
-import numpy as np
-
 from grainfit.bulk_tests.base import Parts
 from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT
@@ -190,9 +188,7 @@ class Hopper(Discharge):
 
     def column(self, seed: int) -> Column:
         """Return the particles at the beginning: a column that falls from above the slope."""
-        column, rise = super().column(seed), self.setup.container.slope_top
-        raised = column.positions + np.array([0.0, 0.0, rise])
-        return replace(column, positions=raised, height=column.height + rise)
+        return super().column(seed).raised(self.setup.container.slope_top)
 
     def _beside_flow(
         self, bed: Particles, view: DischargeView, flow: FlowRate

@@ -10,6 +10,7 @@ from grainfit.options.kinds import Quantity
 
 LENGTH = Quantity("m", above_zero=True, highest=1e3)
 TIME = Quantity("s", above_zero=True)
+STRESS = Quantity("Pa", above_zero=True, highest=1e12)
 
 #: Height of a bed that is not struck off.
 FILL_HEIGHT = "Height of the bed at a solid fraction of 0.58; it gives the number of particles."

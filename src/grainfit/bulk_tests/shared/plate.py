@@ -124,8 +124,12 @@ def expected_foot(volume: float, angle: float, diameter: float) -> float:
     diameter : float
         Of the particles, m.
     """
-    slope = math.tan(math.radians(angle))
-    return math.pow(3 * volume / (math.pi * slope), 1 / 3) - diameter / 2 / slope
+    return cone_radius(volume, angle) - diameter / 2 / math.tan(math.radians(angle))
+
+
+def cone_radius(volume: float, angle: float) -> float:
+    """Return the base radius of a cone of a volume, m^3, and an inclination, degrees, in m."""
+    return math.pow(3 * volume / (math.pi * math.tan(math.radians(angle))), 1 / 3)
 
 
 @check("small-plate", "warning")

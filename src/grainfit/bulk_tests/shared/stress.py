@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from grainfit.bulk_tests.shared import messages
+from grainfit.contact_models.contact import particle_mass
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes.scene import STANDARD_GRAVITY
 
 _REFERENCE_DIAMETER = 0.010
 _REFERENCE_GRAVITY = 9.81
@@ -60,3 +62,19 @@ def softness_faults(
             least=smallest * stress,
             most=modulus / smallest,
         )
+
+
+def typical_load(stress: float, diameter: float, material: Mapping[str, float]) -> float:
+    """Return the usual force of a contact under a stress, in particle weights on Earth.
+
+    Parameters
+    ----------
+    stress : float
+        Pa.
+    diameter : float
+        Of the particles, m.
+    material : mapping of str to float
+        Material parameters by dotted name.
+    """
+    weight = particle_mass(material, diameter / 2) * STANDARD_GRAVITY
+    return float(stress * diameter**2 / weight)

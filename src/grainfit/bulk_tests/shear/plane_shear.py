@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -13,13 +13,13 @@ import numpy as np
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.bulk_tests.shared.options import LENGTH, laboratory_gravity_option
+from grainfit.bulk_tests.shared.options import LENGTH, STRESS, laboratory_gravity_option
+from grainfit.bulk_tests.shared.stress import typical_load
 from grainfit.bulk_tests.shear.quasi_static import fast_shear
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import IN_SHEAR, OverlapLaw
 from grainfit.checks import Check
-from grainfit.contact_models.contact import particle_mass
 from grainfit.errors import Fault
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity
@@ -31,14 +31,13 @@ from grainfit.scenes.packing import (
     column_height,
     random_column,
 )
-from grainfit.scenes.scene import STANDARD_GRAVITY, Box, Scene, Stage
+from grainfit.scenes.scene import Box, Scene, Stage
 
 #: No stage ends at rest; a solver asks for a speed all the same, over sqrt(stress / density).
 _QUIET = 0.01
 #: Shear strain between two lines of the solver's log.
 _LOOK = 0.1
 
-STRESS = Quantity("Pa", above_zero=True, highest=1e12)
 STRAIN = Quantity("", above_zero=True, highest=1e4)
 
 
@@ -154,12 +153,11 @@ class PlaneShear(BulkTest):
         reach = 1.001 * plate.reach
         top = column.height + 2 * reach
         room = 3 * setup.largest
-        positions = column.positions + np.array([0.0, 0.0, reach])
         return Scene(
             title=self.deck_title,
             material=material,
             sizes=self.sizes,
-            particles=replace(column, positions=positions, height=column.height + reach),
+            particles=column.raised(reach),
             box=Box((0.0, 0.0, -room), (setup.length, setup.depth, top + room), periodic="xy"),
             walls={},
             glued={
@@ -171,7 +169,7 @@ class PlaneShear(BulkTest):
             time_step=self.time_step(material),
             quiet_speed=setup.speed(material) * _QUIET,
             check_interval=_LOOK / setup.shear_rate(material),
-            typical_load=self._typical_load(material),
+            typical_load=typical_load(setup.normal_stress, setup.diameter, material),
         )
 
     def closing(self, material: Mapping[str, float], travel: float) -> Stage:
@@ -184,11 +182,6 @@ class PlaneShear(BulkTest):
             is_closed=True,
             remark=f"the upper plate closes the gap, and presses with {setup.normal_stress:g} Pa",
         )
-
-    def _typical_load(self, material: Mapping[str, float]) -> float:
-        """Return the usual force of a contact under the stress, in particle weights on Earth."""
-        weight = particle_mass(material, self.setup.diameter / 2) * STANDARD_GRAVITY
-        return self.setup.normal_stress * self.setup.diameter**2 / weight
 
     @property
     def number_of_particles(self) -> int:

@@ -13,7 +13,7 @@ import numpy as np
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
-from grainfit.bulk_tests.shared.options import LENGTH
+from grainfit.bulk_tests.shared.options import LENGTH, STRESS
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.shear.flow import (
     COLUMNS,
@@ -27,7 +27,7 @@ from grainfit.bulk_tests.shear.flow import (
     read_frame,
     velocity_profile,
 )
-from grainfit.bulk_tests.shear.plane_shear import STRAIN, STRESS, PlaneShear
+from grainfit.bulk_tests.shear.plane_shear import STRAIN, PlaneShear
 from grainfit.bulk_tests.shear.validity import require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
 from grainfit.bulk_tests.shear_cell import messages

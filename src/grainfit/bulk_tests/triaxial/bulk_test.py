@@ -15,7 +15,8 @@ from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.bulk_tests.shared.options import LENGTH, laboratory_gravity_option
+from grainfit.bulk_tests.shared.options import LENGTH, STRESS, laboratory_gravity_option
+from grainfit.bulk_tests.shared.stress import typical_load
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
@@ -26,7 +27,6 @@ from grainfit.bulk_tests.triaxial.strain_checks import fast_compression, short_c
 from grainfit.bulk_tests.triaxial.view import TriaxialView
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
-from grainfit.contact_models.contact import particle_mass
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Curve, Measured, Response
 from grainfit.measurement.particles import write_vtk
@@ -36,7 +36,7 @@ from grainfit.scenes.conditions import Elapsed, Loaded
 from grainfit.scenes.packing import Column, Footprint, Square
 from grainfit.scenes.records import Series
 from grainfit.scenes.run_output import RunOutput, snapshot_file
-from grainfit.scenes.scene import STANDARD_GRAVITY, Box, Scene, Stage, Wall
+from grainfit.scenes.scene import Box, Scene, Stage, Wall
 from grainfit.scenes.shapes import Plane
 
 _CRITICAL, _PEAK = "critical_friction_angle", "peak_friction_angle"
@@ -135,7 +135,7 @@ class Triaxial(BulkTest):
     }
 
     confining_stress: Amount | None = option(
-        Quantity("Pa", above_zero=True, highest=1e12),
+        STRESS,
         "Stress of the side walls on the bed. Young's modulus must be at least 1000 times as much.",
         example='"10 kPa"',
         default=Derived("10 kPa for d = 10 mm", lambda s: s.usual_stress),
@@ -247,7 +247,7 @@ class Triaxial(BulkTest):
                     "particle_wall.restitution": 1.0,
                 }
             },
-            typical_load=self._typical_load(material),
+            typical_load=typical_load(setup.confining_stress, self.sizes.sauter_diameter, material),
         )
 
     def _stages(self, material: Mapping[str, float]) -> tuple[Stage, Stage]:
@@ -273,12 +273,6 @@ class Triaxial(BulkTest):
                 is_closed=True,
             ),
         )
-
-    def _typical_load(self, material: Mapping[str, float]) -> float:
-        """Return the usual force of a contact under the stress, in particle weights on Earth."""
-        diameter = self.sizes.sauter_diameter
-        weight = particle_mass(material, diameter / 2) * STANDARD_GRAVITY
-        return float(self.setup.confining_stress * diameter**2 / weight)
 
     def measure(self, run: RunOutput) -> dict[str, Measured]:
         """Measure all responses; leave a picture and a VTK file of the bed.
