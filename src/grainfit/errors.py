@@ -83,6 +83,11 @@ class InputError(GrainfitError, ValueError):
         prefix = f"{source}: " if source else ""
         super().__init__("\n".join(f"{prefix}{fault}" for fault in self.faults))
 
+    @property
+    def reasons(self) -> str:
+        """All faults with their keys and without remedies, as a part of a sentence."""
+        return "; ".join(f"{f.key}: {f.message}" if f.key else f.message for f in self.faults)
+
     def __reduce__(self) -> tuple[type[InputError], tuple[Sequence[Fault], str]]:
         """Make it again of its faults: an exception is made of its text otherwise."""
         return type(self), (self.faults, self.source)

@@ -8,7 +8,7 @@ from grainfit.analysis.recorded_size import changes_in_words
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
-from grainfit.bulk_tests.size import TWIN, resized
+from grainfit.bulk_tests.size import TWIN, twin_of
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
 from grainfit.formatting import duration, number
@@ -26,12 +26,12 @@ _FACTORS = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0
 def long_runs(context: CheckContext) -> Iterator[Found]:
     """Runs that take long; larger particles or a smaller apparatus, with time and price."""
     for name in context.solvers:
-        if note := _note(name, context.solvers, context.problem):
+        if note := _note(name, context):
             yield context.key(name), note
 
 
-def _note(name: str, solvers: Mapping[str, Solver], problem: Problem) -> str:
-    solver, middle = solvers[name], problem.middle
+def _note(name: str, context: CheckContext) -> str:
+    solver, middle = context.solvers[name], context.problem.middle
     test = solver.bulk_test
     if test is None or user_functions(test):
         # A scene of the user's own has a geometry that only its code knows.
@@ -43,18 +43,18 @@ def _note(name: str, solvers: Mapping[str, Solver], problem: Problem) -> str:
         return ""
     if cost is None or cost.wall_seconds <= _LONG:
         return ""
-    offers = [*_coarser(name, solvers, problem), *_twin(name, solver, problem)]
+    offers = [*_coarser(name, test, context), *_twin(name, test, context)]
     words = f"Test {name}: a run takes about {duration(cost.wall_seconds)}."
     return " ".join([words, *offers])
 
 
-def _coarser(name: str, solvers: Mapping[str, Solver], problem: Problem) -> Iterator[str]:
+def _coarser(name: str, test: BulkTest, context: CheckContext) -> Iterator[str]:
     """Offer larger particles in the same apparatus, with their time and price."""
-    larger, solver = _shorter(name, solvers, problem), solvers[name]
-    if larger is None or solver.bulk_test is None:
+    larger, solver = _shorter(name, context.solvers, context.problem), context.solvers[name]
+    if larger is None:
         return
-    faster = solver.estimate_cost_of(larger[name], solver.run_parameters(problem.middle))
-    moved = changes_in_words(solver.bulk_test, _responses(name, problem), faster.particles)
+    faster = solver.estimate_cost_of(larger[name], solver.run_parameters(context.problem.middle))
+    moved = changes_in_words(test, context.targets_of(name), faster.particles)
     yield (
         f"With {factor_words(larger)} it takes about {duration(faster.wall_seconds)} "
         f"({faster.particles} particles). Larger particles in the same apparatus shift "
@@ -63,30 +63,19 @@ def _coarser(name: str, solvers: Mapping[str, Solver], problem: Problem) -> Iter
     )
 
 
-def _twin(name: str, solver: Solver, problem: Problem) -> Iterator[str]:
+def _twin(name: str, test: BulkTest, context: CheckContext) -> Iterator[str]:
     """Offer a smaller apparatus with the same particles, with its time and price."""
-    test = solver.bulk_test
-    if test is None or test.number_of_particles <= TWIN:
+    twin, solver = twin_of(test), context.solvers[name]
+    if twin is None:
         return
+    cost = solver.estimate_cost_of(twin, solver.run_parameters(context.problem.middle))
     share = TWIN / test.number_of_particles
-    try:
-        twin = resized(test, share)
-        cost = solver.estimate_cost_of(twin, solver.run_parameters(problem.middle))
-    except InputError:
-        return
-    moved = changes_in_words(test, _responses(name, problem), cost.particles)
+    moved = changes_in_words(test, context.targets_of(name), cost.particles)
     yield (
         f"In an apparatus that holds {cost.particles} of the same particles it takes about "
         f"{duration(cost.wall_seconds)}{moved}: strategy.smaller = {number(share, 1)} searches in "
         "it and verifies the real one, and 'grainfit size' measures the difference (docs/size.md)."
     )
-
-
-def _responses(name: str, problem: Problem) -> list[str]:
-    targets = [t.name for t in problem.targets]
-    if len(problem.scopes) > 1:
-        targets = [target for target in targets if problem.scope_of(target).name == name]
-    return [target.removeprefix(f"{name}.") for target in targets]
 
 
 def _shorter(

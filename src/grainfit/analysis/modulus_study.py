@@ -171,7 +171,7 @@ class ModulusStudy(Summary):
         rows = tuple(
             (
                 _in_mpa(row.modulus),
-                *(_cell(row.responses.get(target.name)) for target in self.targets),
+                *(cell(row.responses.get(target.name)) for target in self.targets),
                 "-" if row.time_step is None else f"{row.time_step:.3g} s",
                 f"{row.seconds:.1f} s",
             )
@@ -211,8 +211,8 @@ class ModulusStudy(Summary):
         if position == 0 or not self._is_complete(row := self.rows[position - 1]):
             return []
         return [
-            f"{target.name} differs by {_amount(self.difference(row, target.name)[0], target)} at "
-            f"{_in_mpa(row.modulus)}, {_amount(target.tolerance, target)} are accepted"
+            f"{target.name} differs by {amount(self.difference(row, target.name)[0], target)} at "
+            f"{_in_mpa(row.modulus)}, {amount(target.tolerance, target)} are accepted"
             for target in self._differing(row)
         ]
 
@@ -221,11 +221,13 @@ def _in_mpa(modulus: float) -> str:
     return f"{number(modulus / 1e6, 3)} MPa"
 
 
-def _amount(value: float, target: Target) -> str:
+def amount(value: float, target: Target) -> str:
+    """Return a difference or a tolerance of a target, with its unit."""
     return with_unit(number(value, 2), unit_for_people(target.unit))
 
 
-def _cell(found: MeanResponse | None) -> str:
+def cell(found: MeanResponse | None) -> str:
+    """Return a mean with its standard error for a table; a dash without one."""
     if found is None:
         return "-"
     if found.standard_error is None:

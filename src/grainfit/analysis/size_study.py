@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import fmean
 
 from grainfit.analysis import messages
-from grainfit.analysis.modulus_study import MeanResponse, mean_responses
+from grainfit.analysis.modulus_study import MeanResponse, amount, cell, mean_responses
 from grainfit.analysis.size_trend import FEWEST_SIZES, Prediction, predict
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.size import resized, size_power
@@ -20,10 +20,7 @@ from grainfit.evaluation import Evaluation, Proposal
 from grainfit.formatting import (
     duration,
     in_unit,
-    number,
     plain_interval,
-    unit_for_people,
-    with_unit,
 )
 from grainfit.one_line import one_line
 from grainfit.problem import Problem, Target
@@ -96,9 +93,8 @@ class SizePlan:
         try:
             return self.solvers[name].of_test(resized(self.test_of(name), times))
         except InputError as error:
-            why = "; ".join(f"{fault.key}: {fault.message}" for fault in error.faults)
             raise InputError(
-                messages.IMPOSSIBLE_SIZE.fault("times", test=name, times=times, why=why)
+                messages.IMPOSSIBLE_SIZE.fault("times", test=name, times=times, why=error.reasons)
             ) from None
 
     def sized_solvers(self) -> dict[tuple[str, float], Solver]:
@@ -187,15 +183,13 @@ class SizesOfTest:
         rows = [
             (
                 str(row.particles),
-                *(_cell(row.responses.get(target.name)) for target in self.targets),
+                *(cell(row.responses.get(target.name)) for target in self.targets),
                 _time(row.seconds),
             )
             for row in self.rows
         ]
         predicted = [self.prediction(target) for target in self.targets]
-        cells = [
-            "-" if p is None else f"{plain_interval(p.value, p.half_width)}" for p in predicted
-        ]
+        cells = ["-" if p is None else plain_interval(p.value, p.half_width) for p in predicted]
         rows.append((f"{self.goal.particles} (trend)", *cells, _time(self.goal.seconds)))
         units = [in_unit(t.name, t.unit) for t in self.targets if t.unit]
         errors = f"± standard error of the mean of {seeds} seeds; of the trend, 95 % interval"
@@ -211,19 +205,19 @@ class SizesOfTest:
                 continue
             grown = (self.goal.times / first.times) ** (self.powers[target.name] / 3)
             change = found.value - here.mean * grown
-            tolerance = _amount(target.tolerance, target)
+            tolerance = amount(target.tolerance, target)
             if found.half_width > target.tolerance:
                 yield messages.SIZE_IN_DOUBT(
                     response=target.name,
                     particles=self.goal.particles,
-                    half=_amount(found.half_width, target),
+                    half=amount(found.half_width, target),
                     tolerance=tolerance,
                 )
             elif abs(change) > target.tolerance:
                 yield messages.SIZE_MATTERS(
                     response=target.name,
                     particles=self.goal.particles,
-                    change=_amount(change, target),
+                    change=amount(change, target),
                     first=first.particles,
                     tolerance=tolerance,
                 )
@@ -393,17 +387,5 @@ def _short(target: str, test: str) -> str:
     return target.removeprefix(f"{test}.")
 
 
-def _cell(found: MeanResponse | None) -> str:
-    if found is None:
-        return "-"
-    if found.standard_error is None:
-        return number(found.mean)
-    return plain_interval(found.mean, found.standard_error)
-
-
 def _time(seconds: float | None) -> str:
     return "-" if seconds is None else duration(seconds)
-
-
-def _amount(value: float, target: Target) -> str:
-    return with_unit(number(value, 2), unit_for_people(target.unit))

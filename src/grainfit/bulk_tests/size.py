@@ -86,6 +86,22 @@ def resized(test: _Test, times: float) -> _Test:
     return replace(test, **changes)
 
 
+def twin_of(test: _Test) -> _Test | None:
+    """Return a test in an apparatus that holds `TWIN` particles; None where that is no help.
+
+    Parameters
+    ----------
+    test : BulkTest
+        Stays as it is.
+    """
+    if test.number_of_particles <= TWIN:
+        return None
+    try:
+        return resized(test, TWIN / test.number_of_particles)
+    except InputError:
+        return None
+
+
 def size_power(test: object, response: str) -> float | None:
     """Return the power of the size of an apparatus that a response follows; None if unknown."""
     powers = test.size_powers if isinstance(test, CanBeResized) else {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from grainfit.bulk_tests.abilities import user_functions
@@ -12,7 +12,7 @@ from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.bulk_tests.size import resized
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.formatting import in_a_row, number
 from grainfit.problem import Problem, Relative
 from grainfit.solvers.base import Solver
@@ -119,20 +119,14 @@ def _changed(strategy: SearchOptions, name: str, solver: Solver, problem: Proble
     try:
         return solver.of_test(_resized(strategy, test, solver.run_parameters(problem.middle)))
     except InputError as error:
-        why = "; ".join(_reasons(error.faults))
         raise InputError(
-            messages.NO_SUCH_RELATIVE.fault(f"strategy.{key}", test=name, why=why)
+            messages.NO_SUCH_RELATIVE.fault(f"strategy.{key}", test=name, why=error.reasons)
         ) from None
 
 
 def _resized(strategy: SearchOptions, test: BulkTest, material: Mapping[str, float]) -> BulkTest:
     found = test if strategy.smaller is None else resized(test, strategy.smaller)
     return found if strategy.coarser is None else coarse_grained(found, strategy.coarser, material)
-
-
-def _reasons(faults: Sequence[Fault]) -> Iterator[str]:
-    for fault in faults:
-        yield f"{fault.key}: {fault.message}" if fault.key else fault.message
 
 
 def _seconds(solver: Solver, problem: Problem) -> float:

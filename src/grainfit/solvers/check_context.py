@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.evaluation import response_name
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 
@@ -52,6 +53,14 @@ class CheckContext:
     def highest(self) -> dict[str, float]:
         """Values of all parameters at the upper ends of their intervals."""
         return {name: ends[1] for name, ends in self.intervals.items()}
+
+    def targets_of(self, test: str) -> dict[str, float | None]:
+        """Return the measured values of a bulk test by response, None for a curve."""
+        values = {target.name: target.value for target in self.problem.targets}
+        count, responses = len(self.solvers), self.problem.responses
+        known = self.bulk_tests[test].response_names or ()
+        names = {one: response_name(test, one, count) for one in known}
+        return {one: values.get(full) for one, full in names.items() if full in responses}
 
     def key(self, test: str, key: str = "") -> str:
         """Return the key of a test, or a key of its table."""

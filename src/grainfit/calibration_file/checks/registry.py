@@ -25,7 +25,7 @@ from grainfit.calibration_file.checks.run_times import (
 )
 from grainfit.calibration_file.checks.same_simulation import repeated_simulation, shared_simulation
 from grainfit.calibration_file.checks.solid_fractions import impossible_bulk_density
-from grainfit.calibration_file.checks.targets import targets_of_test, too_few_targets
+from grainfit.calibration_file.checks.targets import too_few_targets
 from grainfit.calibration_file.checks.unusual_values import unusual_value
 from grainfit.checks import Check, Finding
 from grainfit.contact_models.checks import solvers_differ
@@ -88,7 +88,7 @@ def _checks_of(tests: Iterable[BulkTest | type[BulkTest]]) -> Iterator[Check[Che
 def _of_tests(check_name: str, context: FileContext) -> Iterator[Finding]:
     """Yield what the checks of one name find in all tests."""
     for name, test in context.bulk_tests.items():
-        targets = targets_of_test(context, name, test)
+        targets = context.targets_of(name)
         walls = context.solvers[name].walls
         checked = CheckedTest(test, context.lowest, context.highest, targets, walls)
         for check in test.checks:

@@ -10,11 +10,10 @@ from grainfit.bulk_tests.abilities import material_faults, user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.sensitivities import MODULUS
-from grainfit.bulk_tests.size import TWIN, resized
+from grainfit.bulk_tests.size import TWIN, twin_of
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.calibration_file.checks.context import FileContext
-from grainfit.calibration_file.checks.targets import targets_of_test
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import is_load_dependent
 from grainfit.errors import InputError
@@ -169,12 +168,8 @@ def _twin(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
     seconds: dict[str, float] = {}
     largest = 0
     for name, solver, test in _known_tests(context):
-        if test.number_of_particles > TWIN:
-            try:
-                twin = resized(test, TWIN / test.number_of_particles)
-                cost = solver.estimate_cost_of(twin, _material(context, solver))
-            except InputError:
-                continue
+        if (twin := twin_of(test)) is not None:
+            cost = solver.estimate_cost_of(twin, _material(context, solver))
             seconds[name] = cost.wall_seconds
             largest = max(largest, test.number_of_particles)
     if seconds:
@@ -188,10 +183,9 @@ def _twin(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
 
 def _moved(context: FileContext, particles: Mapping[str, float]) -> str:
     """Return by how much responses move with these numbers of particles, as far as it is known."""
-    tests = {name: context.bulk_tests[name] for name in particles}
     return "".join(
-        changes_in_words(test, targets_of_test(context, name, test), particles[name])
-        for name, test in tests.items()
+        changes_in_words(context.bulk_tests[name], context.targets_of(name), count)
+        for name, count in particles.items()
     )
 
 

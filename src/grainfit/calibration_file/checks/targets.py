@@ -4,19 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
-from grainfit.evaluation import response_name
 from grainfit.formatting import counted
-
-
-def targets_of_test(context: FileContext, name: str, test: BulkTest) -> dict[str, float | None]:
-    """Return the measured values of a test by response, None for a curve."""
-    values = {target.name: target.value for target in context.problem.targets}
-    count, responses = len(context.solvers), context.problem.responses
-    names = {one: response_name(name, one, count) for one in test.response_names or ()}
-    return {one: values.get(full) for one, full in names.items() if full in responses}
 
 
 @check("too-few-targets")

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
-from grainfit.calibration_file.checks.targets import targets_of_test
 from grainfit.checks import Found, check
 
 #: Densities of solids, kg/m^3: from aerogels and cork to tungsten and gold.
@@ -36,7 +35,7 @@ def unusual_value(context: FileContext) -> Iterator[Found]:
         if not _GRAVITIES[0] <= gravity <= _GRAVITIES[1]:
             key = context.key(name, "gravity")
             yield key, messages.UNUSUAL_GRAVITY(test=name, value=gravity)
-        for response, value in targets_of_test(context, name, test).items():
+        for response, value in context.targets_of(name).items():
             info = test.responses.get(response)
             if info is None or value is None or info.unit != "deg" or not value:
                 continue
