@@ -12,7 +12,7 @@ from grainfit.analysis import messages
 from grainfit.analysis.modulus_study import MeanResponse, amount, cell, mean_responses
 from grainfit.analysis.size_trend import FEWEST_SIZES, Prediction, predict
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.size import resized, size_power
+from grainfit.bulk_tests.size import growth, resized, size_power
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import InputError, RunFailedError
@@ -141,10 +141,10 @@ class SizesOfTest:
     ----------
     name : str
         Name of the test.
+    test : BulkTest
+        The test as it was given.
     targets : tuple of Target
         Responses that are compared.
-    powers : mapping of str to float
-        Power of the size that each response follows by itself, as the width of a heap does.
     rows : tuple of SizeRow
         The smallest first.
     goal : SizeRow
@@ -152,14 +152,18 @@ class SizesOfTest:
     """
 
     name: str
+    test: BulkTest
     targets: tuple[Target, ...]
-    powers: Mapping[str, float]
     rows: tuple[SizeRow, ...]
     goal: SizeRow
 
     def at(self, times: float) -> SizesOfTest:
         """Return the same with another goal, whose number of particles is not counted."""
         return replace(self, goal=SizeRow(times, 0, {}, None))
+
+    def growth(self, target: Target, times: float) -> float:
+        """Return how a response grows by itself, as the width of a heap does."""
+        return growth(self.test, _short(target.name, self.name), times)
 
     def prediction(self, target: Target) -> Prediction | None:
         """Return what the trend gives at the goal; None where fewer than two sizes tell."""
@@ -168,13 +172,13 @@ class SizesOfTest:
         errors = [one.standard_error for one in found]
         if len(known) < FEWEST_SIZES or None in errors:
             return None
-        scales, power = [math.cbrt(row.times) for row in known], self.powers[target.name]
-        free = [one.mean / scale**power for one, scale in zip(found, scales, strict=True)]
-        sure = [float(e or 0.0) / s**power for e, s in zip(errors, scales, strict=True)]
-        least = 1e-9 * max(map(abs, free), default=1.0)
-        goal = math.cbrt(self.goal.times)
-        trend = predict(scales, free, [max(e, least) for e in sure], goal)
-        grown = goal**power
+        scales = [math.cbrt(row.times) for row in known]
+        growths = [self.growth(target, row.times) for row in known]
+        free = [one.mean / g for one, g in zip(found, growths, strict=True)]
+        sure = [float(e or 0.0) / g for e, g in zip(errors, growths, strict=True)]
+        least = 1e-9 * (max(map(abs, free), default=1.0) or 1.0)
+        trend = predict(scales, free, [max(e, least) for e in sure], math.cbrt(self.goal.times))
+        grown = self.growth(target, self.goal.times)
         return Prediction(trend.value * grown, trend.half_width * grown)
 
     def table(self, seeds: int) -> TextTable:
@@ -203,7 +207,7 @@ class SizesOfTest:
             if found is None or here is None:
                 yield messages.NO_TREND(test=self.name, response=target.name)
                 continue
-            grown = (self.goal.times / first.times) ** (self.powers[target.name] / 3)
+            grown = self.growth(target, self.goal.times) / self.growth(target, first.times)
             change = found.value - here.mean * grown
             tolerance = amount(target.tolerance, target)
             if found.half_width > target.tolerance:
@@ -318,8 +322,7 @@ def _sizes_of(
     evaluations: Sequence[Evaluation],
 ) -> SizesOfTest:
     test, targets = plan.test_of(name), _targets(plan, name)
-    powers = {t.name: size_power(test, _short(t.name, name)) for t in targets}
-    compared = tuple(t for t in targets if powers[t.name] is not None)
+    compared = tuple(t for t in targets if size_power(test, _short(t.name, name)) is not None)
     values = {
         target.name: {
             times: [
@@ -331,7 +334,13 @@ def _sizes_of(
         }
         for target in compared
     }
-    means = {t.name: _means(values[t.name], powers[t.name] or 0.0) for t in compared}
+    means = {
+        t.name: _means(
+            values[t.name],
+            {times: growth(test, _short(t.name, name), times) for times in plan.sizes},
+        )
+        for t in compared
+    }
     rows = tuple(
         SizeRow(
             times,
@@ -342,14 +351,13 @@ def _sizes_of(
         )
         for times, label in ((times, labels[name, times]) for times in plan.sizes)
     )
-    return SizesOfTest(
-        name, compared, {n: p or 0.0 for n, p in powers.items()}, rows, _goal(plan, name)
-    )
+    return SizesOfTest(name, test, compared, rows, _goal(plan, name))
 
 
-def _means(groups: Mapping[float, Sequence[float]], power: float) -> dict[float, MeanResponse]:
+def _means(
+    groups: Mapping[float, Sequence[float]], grown: Mapping[float, float]
+) -> dict[float, MeanResponse]:
     """Return the means; scatter grows like the response."""
-    grown = {times: math.cbrt(times) ** power for times in groups}
     free = {times: [v / grown[times] for v in values] for times, values in groups.items()}
     return {
         times: MeanResponse(

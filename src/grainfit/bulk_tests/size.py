@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Protocol, TypeVar, runtime_checkable
+from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.base import BulkTest
@@ -31,8 +31,21 @@ class CanBeResized(Protocol):
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large.
 
-        Speeds follow by Froude's law. Outlets stay, because flow follows them and not the vessel.
+        Speeds follow by Froude's law. Outlets stay in a larger one, because flow follows them and
+        not the vessel; in a smaller one they become narrower down to the usual width.
         """
+
+
+@runtime_checkable
+class HasOutlet(Protocol):
+    """A test whose outlet becomes narrower with its apparatus, as far as it may."""
+
+    #: Power of the flow of the outlet that a response follows besides the size.
+    flow_powers: ClassVar[Mapping[str, float]]
+
+    @property
+    def outlet_flow(self) -> float:
+        """Flow of the outlet by Beverloo's law, in natural units."""
 
 
 def scaled(test: BulkTest, scale: float, **powers: float) -> dict[str, Amount]:
@@ -106,3 +119,27 @@ def size_power(test: object, response: str) -> float | None:
     """Return the power of the size of an apparatus that a response follows; None if unknown."""
     powers = test.size_powers if isinstance(test, CanBeResized) else {}
     return powers.get(response, 0.0)
+
+
+def growth(test: BulkTest, response: str, times: float) -> float:
+    """Return how a response grows by itself in an apparatus of so many times the particles.
+
+    Parameters
+    ----------
+    test : BulkTest
+        The test, with a known `size_power`.
+    response : str
+        Name of the response.
+    times : float
+        Number of particles over that of the test.
+
+    Raises
+    ------
+    InputError
+        The test is impossible at this size.
+    """
+    grown = float(math.cbrt(times) ** (size_power(test, response) or 0.0))
+    if isinstance(test, HasOutlet) and (power := test.flow_powers.get(response)):
+        larger: HasOutlet = resized(test, times)
+        grown *= (larger.outlet_flow / test.outlet_flow) ** power
+    return grown

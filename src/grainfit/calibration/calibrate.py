@@ -22,6 +22,7 @@ from grainfit.calibration.readiness import require_ready
 from grainfit.calibration.runs_to_come import largest_scatter, with_recorded_scatters
 from grainfit.calibration.scopes import relatives_of, repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
+from grainfit.calibration.twins import Twins
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.keep import Keep
@@ -63,6 +64,7 @@ def calibrate(
     timeouts: Mapping[str, float] | None = None,
     repeats: int | Mapping[str, int] = 1,
     relatives: Mapping[str, Solver] | None = None,
+    twins: Twins | None = None,
     executor: Executor | None = None,
     runs_from: str | Path | Sequence[str | Path] = (),
     store: str | None = None,
@@ -108,6 +110,9 @@ def calibrate(
     relatives : mapping of str to Solver, optional
         Solvers of the cheaper relatives that `Problem.relatives` declares, by name of the test.
         Their runs tell where those of the tests are worth making; no verdict rests on them.
+    twins : Twins, optional
+        What the solvers simulate instead of the laboratory's larger apparatus, and the ratios of
+        the responses: the result is then ``predicted`` at best.
     executor : concurrent.futures.Executor, optional
         Executor of the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
         see the work folder at the same path. It is not shut down. By default threads that wait for
@@ -163,6 +168,7 @@ def calibrate(
         keep=keep,
     )
     chosen = as_strategy(strategy)
+    problem = problem if twins is None else twins.problem(problem)
     given_repeats = _repeats(repeats, solvers)
     problem = with_scopes(problem, solvers, given_repeats)
     means = repeats_of(problem, solvers, given_repeats)
@@ -185,7 +191,9 @@ def calibrate(
     )
     with ExitStack() as stack:
         show = stack.enter_context(_shown(on_progress)) if progress else on_progress
-        options = LoopOptions(name, workers, max_runs, verification_runs, show, provenance)
+        options = LoopOptions(
+            name, workers, max_runs, verification_runs, show, provenance, twins=twins
+        )
         # Metamodels are small; threads of linear algebra would only take cores from the solvers.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
         # Every run executes in its own folder, where a relative path would mean another place.
@@ -215,6 +223,7 @@ def calibrate(
             keep,
             needed=needed_responses(problem, solvers),
             repeats=means,
+            ratios=problem.ratios,
         )
         campaign = Campaign(solvers, runs, folder, making, shared, cheaper)
         stack.callback(campaign.close)

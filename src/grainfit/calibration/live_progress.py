@@ -100,6 +100,10 @@ class LiveProgress:
             self._print(line)
             self._last_line = (progress.stage, now)
 
+    def say(self, words: str) -> None:
+        """Print a sentence above the bar."""
+        self._print(words)
+
     def _print(self, words: str, style: str = "") -> None:
         """Print text without markup and without control characters of the terminal."""
         shown = "\n".join(plain(line) for line in words.split("\n"))

@@ -23,6 +23,7 @@ from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.records_read import RecordsRead
 from grainfit.calibration.repetitions import Repetitions
 from grainfit.calibration.runs_to_come import RunsSoFar, runs_to_come
+from grainfit.calibration.twins import Twins
 from grainfit.calibration.warm_start import warm_start
 from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
 from grainfit.campaign.campaign import Campaign
@@ -63,6 +64,7 @@ class LoopOptions:
     on_progress: Callable[[Progress], None] | None = None
     provenance: Provenance | None = None
     live_file: LiveFile | None = None
+    twins: Twins | None = None
 
 
 class CalibrationLoop:
@@ -140,6 +142,7 @@ class CalibrationLoop:
             "options": self._strategy.definition,
             **self._rayleigh(),
             **self._relatives(),
+            **({"ratios": dict(problem.ratios)} if problem.ratios else {}),
             **({"correlations": list(problem.correlations)} if problem.correlations else {}),
             **({"curves": [one.to_json() for one in problem.curves]} if problem.curves else {}),
         }
@@ -178,6 +181,8 @@ class CalibrationLoop:
         try:
             outcome = self._search_and_verify()
             status = outcome.status
+            if status == "calibrated" and self._options.twins is not None:
+                status = "predicted"
         except KeyboardInterrupt:
             self._campaign.cancel()
             outcome = self._best_so_far()
@@ -220,7 +225,9 @@ class CalibrationLoop:
         own = [one for one in self._evaluations if not known(one)]
         result = with_intervals(result, self._problem, own, self._known, self._campaign.solvers)
         tests = tests_of_runs(self._evaluations, self._store.find_many)
-        return replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
+        result = replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
+        twins = self._options.twins
+        return result if twins is None else twins.predicted(result, self._strategy.confidence)
 
     def _requests_of_earlier_starts(self) -> list[RequestRecord]:
         recorded = self._store.requests(self._identity)

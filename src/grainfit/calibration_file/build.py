@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.relatives import relative_solvers, relatives_of
 from grainfit.calibration_file.settings import quantity_of, set_values
+from grainfit.calibration_file.twins import twin_solvers
 from grainfit.campaign.cluster.executor import cluster_executor, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import material_units
@@ -39,6 +41,7 @@ from grainfit.solvers.file_entry import FileEntry
 from grainfit.solvers.registry import types_of_test
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.registry import changed
+from grainfit.verdict.options import VERDICT
 
 _RAYLEIGH = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
 
@@ -60,6 +63,8 @@ class CalibrationSetup:
         Run on this machine even when the file has a cluster.
     relatives : dict of str to Solver
         Solvers of cheaper relatives of the tests, by name of the test.
+    twins : dict of str to Solver
+        Solvers of smaller apparatus that are simulated instead, by name of the test.
     """
 
     __repr__ = one_line
@@ -69,6 +74,12 @@ class CalibrationSetup:
     solvers: dict[str, Solver]
     local: bool = False
     relatives: dict[str, Solver] = field(default_factory=dict)
+    twins: dict[str, Solver] = field(default_factory=dict)
+
+    @property
+    def simulated(self) -> dict[str, Solver]:
+        """Solvers of the search: of the twins, and of the tests without one."""
+        return self.solvers | self.twins
 
     @property
     def name(self) -> str:
@@ -87,7 +98,7 @@ class CalibrationSetup:
         A bulk test has one even when the file gives none: a solver that hangs must not stop the
         calibration for ever.
         """
-        return default_timeouts(self.problem, self.solvers) | self.file.timeouts
+        return default_timeouts(self.problem, self.simulated) | self.file.timeouts
 
     @property
     def repeats(self) -> dict[str, int]:
@@ -162,7 +173,9 @@ class CalibrationSetup:
         runs_from: str | Path | Sequence[str | Path] = (),
         store: str | None = None,
         retry_failed: bool = False,
+        full_size: bool = False,
         on_progress: Callable[[Progress], None] | None = None,
+        on_phase: Callable[[str], None] = lambda _: None,
         progress: bool = False,
         **given: Any,
     ) -> Result:
@@ -176,6 +189,10 @@ class CalibrationSetup:
             Another strategy than the file's.
         runs_from, store, retry_failed, on_progress, progress
             See `grainfit.calibrate`.
+        full_size : bool
+            With `twins`: make one run of each real test at the answer, and judge it by them.
+        on_phase : callable, optional
+            With `twins`: called with a sentence at the beginning of each phase.
         **given : object
             Options that replace those of the file, such as ``max_runs``, ``workers`` or ``seed``.
 
@@ -196,6 +213,7 @@ class CalibrationSetup:
         """
         # Imported here: `check` runs nothing, and needs no store.
         from grainfit.calibration.calibrate import calibrate
+        from grainfit.calibration_file.real_size import RealSizeCalibration, RealSizeOptions
         from grainfit.campaign.work_folder import default_workdir
 
         folder = Path(workdir) if workdir is not None else default_workdir(self.file.path)
@@ -206,9 +224,10 @@ class CalibrationSetup:
         with ExitStack() as stack:
             if self.cluster is not None:
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
-            return calibrate(
+            search = partial(
+                calibrate,
                 replace(self.problem, relatives=self.relative_costs),
-                self.solvers,
+                self.simulated,
                 relatives=self.relatives,
                 workdir=folder,
                 name=self.name,
@@ -222,6 +241,20 @@ class CalibrationSetup:
                 progress=progress,
                 **options,
             )
+            if not self.twins:
+                return search()
+            real = RealSizeOptions(
+                getattr(options["strategy"], "confidence", VERDICT.confidence),
+                options["workers"],
+                self.file.timeouts,
+                options.get("executor"),
+                full_size,
+                on_phase,
+            )
+            tests = self.solvers, self.twins
+            return RealSizeCalibration(
+                self.problem, *tests, folder, lambda twins: search(twins=twins), real
+            ).run()
 
     def options(self, strategy: str | None = None, **given: Any) -> dict[str, Any]:
         """Return the arguments of `grainfit.calibrate` for the search; what is given here wins.
@@ -329,7 +362,9 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
         solvers = build_solvers(file)
         problem = with_scopes(_problem(file), solvers, file.repeats)
         relatives = relative_solvers(file, build_solvers, problem)
-        return CalibrationSetup(file, problem, restricted(problem, solvers), relatives=relatives)
+        solvers = restricted(problem, solvers)
+        twins = twin_solvers(file, solvers, problem)
+        return CalibrationSetup(file, problem, solvers, relatives=relatives, twins=twins)
 
 
 def build_solvers(file: CalibrationFile) -> dict[str, Solver]:

@@ -106,6 +106,8 @@ class SearchOptions(CalibrationOptions):
         Young's modulus of the particles of a cheaper relative of every test, Pa.
     coarser, smaller : float, optional
         Times the particle diameters, and share of the number of particles, of that relative.
+    twins : int, optional
+        Particles of the smaller apparatus that are simulated instead of larger ones.
     """
 
     strategy: Strategy = field(default_factory=Sequential)
@@ -113,6 +115,7 @@ class SearchOptions(CalibrationOptions):
     softer: float | None = None
     coarser: float | None = None
     smaller: float | None = None
+    twins: int | None = None
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Messages of the calibration file: cheaper relatives of its tests."""
+"""Messages of the calibration file: cheaper relatives of its tests, and twins."""
 
 from __future__ import annotations
 
@@ -25,3 +25,28 @@ OWN_SCENE_HAS_NO_SIZE = Message(
 NO_SUCH_RELATIVE = Message(
     "makes test {test} impossible: {why}", "Give a value nearer to 1, or leave it out."
 )
+
+# Twins.
+TWINS_AND_RELATIVES = Message(
+    "is given beside {keys}: the real apparatus is not simulated in the search, so that relatives "
+    "of it teach nothing.",
+    "Leave one of them out.",
+)
+NO_TWIN = Message(
+    "cannot change test {test}: {why}", "Take the test out of this file, or leave this key out."
+)
+UNKNOWN_SIZE = Message("it has no size that is known.")
+NOT_COMPARED = Message("{response} of different sizes cannot be compared.")
+CURVE_OF_TWIN = Message("{curve} is a curve, and sizes of curves are not compared.")
+ALL_SMALL = Message(
+    "strategy.twins = {twins} changes nothing: no test holds more particles, and all are simulated "
+    "as they are."
+)
+TWINS_SIMULATED = Message(
+    "Search in smaller apparatus: {tests}; then their sizes at the answer. The result is predicted "
+    "until 'grainfit run FILE --full-size' has made one run of each real test. One of {real}."
+)
+FIRST_SEARCH = Message("Search in smaller apparatus: {tests}.")
+NEXT_SEARCH = Message("Search again, with the ratios of the sizes at the answer.")
+SIZES_OF = Message("Sizes of {test} at the answer: {sizes} particles, {seeds} runs each.")
+FULL_SIZE_RUN = Message("Run {number} at full size: {tests}.")

@@ -9,6 +9,7 @@ from itertools import chain
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines
 from grainfit.calibration.readiness import Obstacle, obstacles
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.apparatus import simulated_apparatus
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.checks.context import context_of
@@ -29,6 +30,7 @@ from grainfit.calibration_file.run_time import (
     run_time,
 )
 from grainfit.calibration_file.size_lines import size_lines
+from grainfit.calibration_file.twins import first_twins
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.formatting import in_a_row
@@ -114,6 +116,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     for test, values in apparatus.items():
         lines += apparatus_lines(test, values)
     lines += _relative_lines(setup)
+    lines += _twin_lines(setup)
     lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
     lines += [f"Table {line}." for line in setup.file.tables]
@@ -130,14 +133,14 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         with with_lines(setup.file.path):
             runs = expected_runs(setup.file, setup.problem, setup.solvers)
         if call_scenes or not any(map(_has_code, setup.solvers.values())):
-            costs = costs_of_runs(setup.problem, setup.solvers)
+            costs = costs_of_runs(setup.problem, setup.simulated)
             time = run_time(runs, costs, setup.repeats, setup.workers)
         lines += _run_lines(setup, runs, time)
     except InputError as error:
         where = f"{error.source}: " if error.source else ""
         problems += [f"{where}{fault}" for fault in error.faults]
     problem = setup.problem
-    context = context_of(setup.file, problem, setup.solvers, costs, time)
+    context = context_of(setup.file, problem, setup.simulated, costs, time)
     return Plan(
         setup.name,
         problem.parameters,
@@ -207,6 +210,18 @@ def _relative_lines(setup: CalibrationSetup) -> Iterator[str]:
             f"in about {100 * relative.cost:.2g} % of the computing time; the verdict rests on the "
             "others alone."
         )
+
+
+def _twin_lines(setup: CalibrationSetup) -> Iterator[str]:
+    if setup.strategy.twins is None:
+        return
+    if not setup.twins:
+        yield messages.ALL_SMALL(twins=setup.strategy.twins)
+        return
+    found = first_twins(setup.solvers, setup.twins, setup.problem)
+    tests = in_a_row(f"{one.test} ({one.simulated:,} particles)" for one in found.tests)
+    real = in_a_row(map(str, found.tests))
+    yield messages.TWINS_SIMULATED(tests=tests, real=real)
 
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:

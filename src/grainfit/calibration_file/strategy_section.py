@@ -10,7 +10,7 @@ from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration_file.content import SearchOptions
 from grainfit.errors import InputError
 from grainfit.options.fields import option_keys
-from grainfit.options.kinds import Choice, Kind, Quantity, Schema
+from grainfit.options.kinds import Choice, Kind, Quantity, Schema, Whole
 from grainfit.options.places import Place
 from grainfit.options.tables import Key, Table, Values
 from grainfit.strategies.registry import (
@@ -59,9 +59,20 @@ SMALLER = Key(
     example="0.1",
     default="none",
 )
+#: Smaller apparatus instead of those of the tests.
+TWINS = Key(
+    "twins",
+    Whole(100),
+    "Number of particles: each test that holds more is simulated in an apparatus smaller in all "
+    "directions that holds so many, and its responses at the real size follow from a series of "
+    "sizes at the answer. The result is predicted until `grainfit run FILE --full-size` has made "
+    "one run of each real test.",
+    example="1500",
+    default="none",
+)
 RELATIVES = (SOFTER, COARSER, SMALLER)
 #: Options of every calibration, with any strategy.
-CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT, *RELATIVES)
+CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT, *RELATIVES, TWINS)
 
 
 def name_key() -> Key:

@@ -71,6 +71,8 @@ class CampaignOptions:
         run that cannot have one, see `Solver.absent`, counts as failed instead.
     repeats : mapping of str to int
         Runs with different seeds whose mean is one evaluation, by name of the test; 1 by default.
+    ratios : mapping of str to float
+        Factors on the responses of evaluations, see `Problem.ratios`.
     """
 
     workers: int = 1
@@ -80,6 +82,7 @@ class CampaignOptions:
     retry_pauses: Sequence[float] = RETRY_PAUSES
     needed: Mapping[str, Collection[str]] = field(default_factory=dict)
     repeats: Mapping[str, int] = field(default_factory=dict)
+    ratios: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -104,13 +107,14 @@ class _Pending:
     reused: int = 0
     reused_seconds: float = 0.0
 
-    def evaluation(self, tests: int, needed: Mapping[str, Collection[str]]) -> Evaluation:
+    def evaluation(self, tests: int, options: CampaignOptions) -> Evaluation:
         """Build the evaluation, which does not depend on the order in which the runs ended."""
         records = {
-            name: with_needed(self.records[name], needed.get(name_of_test(name), ()))
+            name: with_needed(self.records[name], options.needed.get(name_of_test(name), ()))
             for name in self.names
         }
-        return evaluation_of(self.proposal, records, tests, self.reused, self.reused_seconds)
+        found = evaluation_of(self.proposal, records, tests, self.reused, self.reused_seconds)
+        return found.scaled(options.ratios)
 
 
 class Campaign:
@@ -360,7 +364,7 @@ class Campaign:
             has_ended = True
         complete = [entry for entry in self._pending if not entry.waiting]
         self._pending = [entry for entry in self._pending if entry.waiting]
-        return [entry.evaluation(self.tests, self._options.needed) for entry in complete]
+        return [entry.evaluation(self.tests, self._options) for entry in complete]
 
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
         """Let failed runs be repeated at the next start: the cause may be fixed by then.

@@ -247,7 +247,7 @@ def runs_of(
         points += _points_of_one_test(problem, found, points)
     names = [parameter.name for parameter in problem.parameters]
     return [
-        _evaluation(point, names, len(solvers))
+        _evaluation(point, names, len(solvers)).scaled(problem.ratios)
         for point in sorted(points, key=lambda point: point.order(names))
     ]
 

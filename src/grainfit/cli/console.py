@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _STATUS_COLOURS = {
     "calibrated": "green",
+    "predicted": "yellow",
     "undecided": "yellow",
     "out_of_tolerance": "yellow",
     "unreachable": "red",

@@ -124,6 +124,18 @@ class Evaluation:
             made_at={n: place for n, place in self.made_at.items() if n not in tests},
         )
 
+    def scaled(self, ratios: Mapping[str, float]) -> Evaluation:
+        """Return the evaluation with responses, by name, that are so many times as large."""
+        if not ratios:
+            return self
+        responses = {
+            name: Response(
+                one.value * ratios.get(name, 1.0), one.standard_error * ratios.get(name, 1.0)
+            )
+            for name, one in self.responses.items()
+        }
+        return replace(self, responses=responses)
+
     def placed(self) -> list[Evaluation]:
         """Return the evaluation where its runs were made: in parts, where these are apart."""
         proposal, tests = self.proposal, names_of_tests(self.runs)

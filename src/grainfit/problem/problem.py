@@ -70,6 +70,9 @@ class Problem:
     relatives : sequence of Relative
         Cheaper relatives of the tests, at most one of each: their runs tell where those of the
         tests are worth making. Proposals name the tests and the relatives that they are for.
+    ratios : mapping of str to float
+        Responses of the laboratory's apparatus over those of the smaller one that is simulated,
+        by name of the target; 1 for the others. Targets and evaluations are the laboratory's.
 
     Raises
     ------
@@ -93,6 +96,7 @@ class Problem:
     curves: Sequence[CurveTarget] = ()
     scatters: Mapping[str, float] = field(default_factory=dict, hash=False)
     relatives: Sequence[Relative] = ()
+    ratios: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         kinds = {

@@ -67,6 +67,8 @@ def _final_verdict(context: ReportContext) -> ShownVerdict:
     sure = (*filter(None, [result.sureness]), *_determinations(context))
     if context.reading.state == "undecided":
         return _undecided(context, result, sure)
+    if context.reading.state == "predicted":
+        return ShownVerdict("warn", messages.PREDICTED(), (*_reasons(result), *sure))
     single = (plain(str(one)) for one in result.reasons if isinstance(one, Deterministic))
     sure = (*single, *sure)
     if context.reading.state == "calibrated":

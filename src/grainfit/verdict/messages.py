@@ -5,6 +5,7 @@ from grainfit.messages import Message
 #: The status in words.
 STATUS_WORDS = {
     "calibrated": "calibrated: every target is met within its tolerance",
+    "predicted": "predicted, full size pending: by smaller apparatus alone",
     "undecided": "undecided: the runs do not tell whether every target is met",
     "out_of_tolerance": "out of tolerance: no parameter set was found that meets every target",
     "unreachable": "out of reach within the given intervals",
@@ -108,6 +109,22 @@ DETERMINISTIC_IN_DOUBT = Message(
     "nothing more.",
     "Allow more runs, at other parameters.",
 )
+
+# Smaller apparatus instead of the laboratory's.
+FULL_SIZE_PENDING = Message(
+    "Smaller apparatus were simulated, no run of the laboratory's was made. One of {tests}.",
+    "'grainfit run FILE --full-size' makes one of each, and the verdict follows; stopped at any "
+    "time, it continues.",
+)
+REAL_TEST = Message("{test} ({particles} particles instead of {simulated}) takes {time}")
+FULL_SIZE_AGREES = Message(
+    "{target} at full size is {found} (mean of {runs}); smaller apparatus predict {predicted}."
+)
+FULL_SIZE_DIFFERS = Message(
+    "{target} at full size is {found} (mean of {runs}), but smaller apparatus predict "
+    "{predicted}: what is expected of the laboratory's rests on the full size alone."
+)
+FULL_SIZE_FAILED = Message("The full-size run of {test} failed: {why}")
 
 # Parts of TOO_MUCH_SCATTER.
 RUNS_NEEDED = Message("It would take about {runs} at the answer")

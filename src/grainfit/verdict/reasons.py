@@ -8,9 +8,11 @@ from typing import Any, ClassVar
 
 from grainfit.formatting import (
     counted,
+    duration,
     in_a_row,
     number,
     on_curve,
+    plain_interval,
     plain_probability,
     rounded,
     unit_for_people,
@@ -452,6 +454,92 @@ class TooMuchScatter(Reason):
         return messages.RUNS_NEEDED_OF_FAILING(
             runs=runs, failed=self.failed, ended=ended, where=where
         )
+
+
+@dataclass(frozen=True)
+class RealTest:
+    """Test of which a smaller apparatus is simulated.
+
+    Parameters
+    ----------
+    test : str
+        Its name.
+    particles, simulated : int
+        Number of particles in the laboratory's apparatus, and in the one that is simulated.
+    seconds : float, optional
+        Estimated wall time of a run of the laboratory's, s.
+    """
+
+    test: str
+    particles: int
+    simulated: int
+    seconds: float | None = None
+
+    def __str__(self) -> str:
+        return messages.REAL_TEST(
+            test=self.test,
+            particles=f"{self.particles:,}",
+            simulated=f"{self.simulated:,}",
+            time="a time that is not known"
+            if self.seconds is None
+            else f"about {duration(self.seconds)}",
+        )
+
+
+@dataclass(frozen=True)
+class FullSizePending(Reason):
+    """Smaller apparatus were simulated, and no run of the laboratory's was made."""
+
+    tests: tuple[RealTest, ...]
+    kind = "full size pending"
+
+    def __str__(self) -> str:
+        return messages.FULL_SIZE_PENDING(tests=in_a_row(map(str, self.tests)))
+
+
+@dataclass(frozen=True)
+class FullSizeMade(Reason):
+    """Runs of the laboratory's apparatus, beside what smaller ones predict with its 95 % interval.
+
+    ``mean`` has the half width of its own 95 % interval, by the scatter of the smaller ones.
+    """
+
+    target: str
+    unit: str
+    mean: float
+    half_width: float
+    runs: int
+    predicted: float
+    predicted_half_width: float
+    kind = "full size"
+
+    @property
+    def agrees(self) -> bool:
+        """Whether both agree within their intervals."""
+        allowed = math.hypot(self.half_width, self.predicted_half_width)
+        return abs(self.mean - self.predicted) <= allowed
+
+    def __str__(self) -> str:
+        message = messages.FULL_SIZE_AGREES if self.agrees else messages.FULL_SIZE_DIFFERS
+        unit = unit_for_people(self.unit)
+        return message(
+            target=self.target,
+            found=with_unit(plain_interval(self.mean, self.half_width), unit),
+            runs=counted(self.runs, "run"),
+            predicted=with_unit(plain_interval(self.predicted, self.predicted_half_width), unit),
+        )
+
+
+@dataclass(frozen=True)
+class FullSizeFailed(Reason):
+    """A run of the laboratory's apparatus failed."""
+
+    test: str
+    why: str
+    kind = "full size failed"
+
+    def __str__(self) -> str:
+        return messages.FULL_SIZE_FAILED(test=self.test, why=self.why)
 
 
 #: Kinds of reasons by their names in result.json.

@@ -36,7 +36,9 @@ from grainfit.verdict.reasons import (
     UselessScatter,
 )
 
-Status = Literal["calibrated", "undecided", "out_of_tolerance", "unreachable", "interrupted"]
+Status = Literal[
+    "calibrated", "predicted", "undecided", "out_of_tolerance", "unreachable", "interrupted"
+]
 Verdict = Literal["met", "in doubt", "missed"]
 
 

@@ -364,7 +364,7 @@
     showConnection(state);
   };
   const TITLES = {
-    calibrated: "✓ calibrated", out_of_tolerance: "✗ out of tolerance",
+    calibrated: "✓ calibrated", predicted: "! full size pending", out_of_tolerance: "✗ out of tolerance",
     unreachable: "✗ out of reach", failed: "✗ failed", running: "… running",
   };
 

@@ -263,7 +263,8 @@ def _saved(
     records = failed_if_incomplete(records, (*opened.requests, *warm_start), definition)
     ended = [request for request in opened.requests if _has_ended(request, records)]
     tests = len(names_of_tests(definition["tests"]))
-    evaluations = tuple(_evaluation(request, records, tests) for request in ended)
+    ratios = definition.get("ratios", {})
+    evaluations = tuple(_evaluation(request, records, tests, ratios) for request in ended)
     used = {run for request in ended for run in request.runs.values()}
     problem = _problem(definition, about, evaluations)
     provenance = Provenance.from_json(about.get("provenance", {}))
@@ -284,7 +285,9 @@ def _saved(
         seed=int(definition["seed"]),
         evaluations=evaluations,
         warm_start=tuple(
-            _evaluation(run, records, tests) for run in warm_start if _has_ended(run, records)
+            _evaluation(run, records, tests, ratios)
+            for run in warm_start
+            if _has_ended(run, records)
         ),
         running=opened.running(record.status for record in records.values()),
         records={identity: record for identity, record in records.items() if identity in used},
@@ -340,6 +343,7 @@ def _problem(
         tests=[TestScope(**data) for data in about.get("tests", [])],
         curves=[CurveTarget.from_json(data) for data in definition.get("curves", [])],
         scatters=about.get("scatters", {}),
+        ratios=definition.get("ratios", {}),
     )
     # A strategy may move a bound that is in the way.
     return problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations])
@@ -357,9 +361,14 @@ def _has_ended(request: RequestRecord, records: Mapping[str, RunRecord]) -> bool
     return all(run in records and records[run].status != "running" for run in request.runs.values())
 
 
-def _evaluation(request: RequestRecord, records: Mapping[str, RunRecord], tests: int) -> Evaluation:
+def _evaluation(
+    request: RequestRecord,
+    records: Mapping[str, RunRecord],
+    tests: int,
+    ratios: Mapping[str, float],
+) -> Evaluation:
     runs = {test: records[run] for test, run in request.runs.items()}
-    return evaluation_of(request.proposal(tests), runs, tests)
+    return evaluation_of(request.proposal(tests), runs, tests).scaled(ratios)
 
 
 def read_answer(reading: SavedCalibration) -> Result:

@@ -170,14 +170,21 @@ class Discharge(BulkTest):
         """Geometry and procedure, with every default resolved."""
         return DischargeSetup(self)
 
+    size_powers: ClassVar[Mapping[str, float | None]] = {}
+    flow_powers: ClassVar[Mapping[str, float]] = {"mass_flow": 1}
+
     @property
-    def size_powers(self) -> Mapping[str, float | None]:
-        """Power of the size that a response follows: the flow of a slot is that of its depth."""
-        return {} if self.setup.is_round else {"mass_flow": 1}
+    def outlet_flow(self) -> float:
+        """Flow of the outlet by Beverloo's law, in natural units."""
+        return self.setup.outlet_flow
 
     def at_size(self, scale: float) -> dict[str, Amount]:
-        """Return the options of an apparatus that is so many times as large."""
-        return scaled(self, scale, depth=1, width=1, fill_height=1)
+        """Return the options of an apparatus that is so many times as large.
+
+        An outlet becomes no narrower than the usual one, and no wider: flow follows it.
+        """
+        options = scaled(self, scale, depth=1, width=1, fill_height=1)
+        return options | self.setup.outlet_at(scale)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Iterate over why enlarged particles would arch over the orifice."""

@@ -26,6 +26,10 @@ SLOT, ROUND = "slot", "round"
 #: Default diameter of a round orifice, in Sauter diameters; it is not smaller than so many of the
 #: largest particles.
 _ORIFICE, _LEAST_ORIFICE = 6, 5.0
+#: Default width of a slot, in Sauter diameters.
+_SLOT = 5
+#: Beverloo's law: an outlet counts narrower by so many diameters.
+_EMPTY_RIM = 1.5
 #: Options of the other kind of orifice.
 _MISPLACED = {SLOT: ("orifice_diameter",), ROUND: ("slot_width", "depth")}
 #: The particles come to rest this long after the flow has ended, over sqrt(d/g).
@@ -69,6 +73,31 @@ class DischargeSetup(Setup):
         """Diameter of a round orifice, m; None with a slot."""
         given = self.option("orifice_diameter")
         return None if given is None else float(given)
+
+    def outlet_at(self, scale: float) -> dict[str, float]:
+        """Return the option of the outlet in a vessel that is so many times as large.
+
+        Parameters
+        ----------
+        scale : float
+            Size of the vessel over the present one.
+        """
+        name = "orifice_diameter" if self.is_round else "slot_width"
+        usual = self.usual_orifice if self.is_round else self.usual(name, _SLOT)
+        width = 2 * self.container.half_outlet
+        return {name: min(width, max(usual or 0.0, scale * width))}
+
+    @property
+    def outlet_flow(self) -> float:
+        """Flow of the outlet by Beverloo's law, in natural units.
+
+        Of a round outlet (D - 1.5)^2.5, of a slot its depth times (W - 1.5)^1.5, all over d.
+        """
+        container = self.container
+        effective = 2 * container.half_outlet / self.d - _EMPTY_RIM
+        if container.period is None:
+            return float(effective**2.5)
+        return float(container.period / self.d * effective**1.5)
 
     @property
     def half_width(self) -> float:

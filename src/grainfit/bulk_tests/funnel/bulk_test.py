@@ -211,6 +211,7 @@ class Funnel(BulkTest):
         """Return the options of an apparatus that is so many times as large.
 
         An outlet becomes no narrower than the usual one, which may be wide for a small heap.
+        Dimensions that follow from others, and are not given, follow from them at any size.
         """
         options = scaled(
             self,
@@ -223,6 +224,9 @@ class Funnel(BulkTest):
             stem_length=1,
             plate_radius=1,
         )
+        for name in ("funnel_radius", "funnel_height", "raise_speed"):
+            if getattr(self, name) is None:
+                options.pop(name, None)
         # A narrower outlet than the usual one may arch.
         wide = min(self.setup.outlet_diameter, self.setup.usual_outlet)
         options["outlet_diameter"] = max(float(options["outlet_diameter"]), wide)

@@ -150,11 +150,8 @@ class Hopper(Discharge):
         """Geometry and procedure, with every default resolved."""
         return HopperSetup(self)
 
-    @property
-    def size_powers(self) -> Mapping[str, float | None]:
-        """Power of the size that a response follows: the outlet stays, the content grows."""
-        flow = 0 if self.setup.is_round else 1
-        return {"mass_flow": flow, "discharge_time": 3 - flow, "residual_mass": 3}
+    size_powers: ClassVar[Mapping[str, float | None]] = {"discharge_time": 3, "residual_mass": 3}
+    flow_powers: ClassVar[Mapping[str, float]] = {"mass_flow": 1, "discharge_time": -1}
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""

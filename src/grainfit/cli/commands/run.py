@@ -62,6 +62,16 @@ _NoReport = Annotated[
 ]
 
 
+_FullSize = Annotated[
+    bool,
+    typer.Option(
+        "--full-size",
+        help="With strategy.twins: make one run of each real test at the answer, hours each, and "
+        "judge the answer by them.",
+    ),
+]
+
+
 @with_search_options
 def run(
     file: CalibrationPath,
@@ -70,6 +80,7 @@ def run(
     runs_from: _RunsFrom = None,
     store: _Store = None,
     retry_failed: _RetryFailed = False,
+    full_size: _FullSize = False,
     local: _Local = False,
     no_report: _NoReport = False,
     watched: Watch = False,
@@ -84,12 +95,19 @@ def run(
     Stop it at any time with Ctrl-C and start the same command again: no finished run is repeated.
 
     Exit code: 0 calibrated, 1 bad input or a missing solver, 2 a mistake on the command line, 3 not
-    every target is met or in reach, 130 interrupted.
+    every target is met or in reach, or predicted alone, 130 interrupted.
     """
     from grainfit.campaign.work_folder import default_workdir
 
     folder = workdir or default_workdir(file)
-    given = {"strategy": strategy, "store": store, "runs_from": runs_from or (), **search_options}
+    given = {
+        "strategy": strategy,
+        "store": store,
+        "runs_from": runs_from or (),
+        "retry_failed": retry_failed,
+        "full_size": full_size,
+        **search_options,
+    }
     with ExitStack() as stack:
         ending = stack.enter_context(notifying(notify, folder))
         setup = _setup(file, local)
@@ -97,7 +115,7 @@ def run(
             stack.enter_context(watching(folder, port, open_page))
         if not no_report:
             stack.enter_context(report_at_end(folder))
-        ending.result = _calibrate(setup, folder, retry_failed=retry_failed, **given)
+        ending.result = _calibrate(setup, folder, **given)
     raise typer.Exit(OF_STATUS[ending.result.status])
 
 
@@ -136,7 +154,9 @@ def _calibrate(setup: CalibrationSetup, folder: Path, **given: Any) -> Result:
         with_lines(setup.file.path, besides=on_command_line),
         LiveProgress(err_remarks, every_run=is_verbose(), units=setup.problem.units) as progress,
     ):
-        result = setup.calibrate(folder, on_progress=progress.update, **given)
+        result = setup.calibrate(
+            folder, on_progress=progress.update, on_phase=progress.say, **given
+        )
     if is_quiet():
         show.print_headline(out, result)
     else:

@@ -1,0 +1,303 @@
+"""Calibrate for the laboratory's apparatus by runs of smaller ones, and verify it at full size."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from statistics import fmean
+
+from grainfit.analysis.modulus_study import MeanResponse
+from grainfit.analysis.size_study import SizePlan, SizesOfTest, simulate_sizes
+from grainfit.calibration.timeouts import default_timeouts
+from grainfit.calibration.twins import SizeRatio, Twins
+from grainfit.calibration_file import messages
+from grainfit.calibration_file.twins import first_twins
+from grainfit.campaign.batch import simulate_batch
+from grainfit.campaign.campaign import CampaignOptions
+from grainfit.campaign.folder_lock import hold
+from grainfit.campaign.open_campaign import open_campaign
+from grainfit.campaign.reuse import needed_responses
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.work_folder import RESULT_NAME
+from grainfit.evaluation import Evaluation, Proposal, response_name
+from grainfit.formatting import in_a_row
+from grainfit.problem import Problem
+from grainfit.result import Result
+from grainfit.solvers.base import Solver
+from grainfit.student import NORMAL_QUANTILE
+from grainfit.verdict.reasons import FullSizeFailed, FullSizeMade
+
+#: Sizes at an answer, over that of a twin, and runs of each.
+_SIZES, _SEEDS = (1.0, 2.0, 4.0), 3
+#: Most series of sizes, and most runs at full size.
+_MOST_SERIES, _MOST_FULL = 3, 3
+
+
+@dataclass(frozen=True)
+class RealSizeOptions:
+    """Options of `RealSizeCalibration`.
+
+    Parameters
+    ----------
+    confidence : float
+        Demanded probability that every target is met.
+    workers : int
+        Runs at a time.
+    timeouts : mapping of str to float
+        Longest wall time of a run by name of the test, s, where one is given.
+    executor : Executor, optional
+        Executor of the runs at full size, such as the nodes of a cluster.
+    full_size : bool
+        Make one run of each real test at the answer. Without it, those that are known count.
+    on_phase : callable, optional
+        Called with a sentence at the beginning of each phase.
+    """
+
+    confidence: float
+    workers: int = 1
+    timeouts: Mapping[str, float] = field(default_factory=dict)
+    executor: Executor | None = None
+    full_size: bool = False
+    on_phase: Callable[[str], None] = lambda _: None
+
+
+class RealSizeCalibration:
+    """A calibration of the laboratory's apparatus that searches in smaller ones.
+
+    Runs of every phase are kept in the work folder: started again, it continues.
+
+    Parameters
+    ----------
+    problem : Problem
+        Parameters and measured targets.
+    solvers, twins : mapping of str to Solver
+        Of the tests, and of those that have a twin.
+    folder : Path
+        The work folder.
+    search : callable
+        Calibrates with some `Twins`.
+    options : RealSizeOptions
+        Options.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        solvers: Mapping[str, Solver],
+        twins: Mapping[str, Solver],
+        folder: Path,
+        search: Callable[[Twins], Result],
+        options: RealSizeOptions,
+    ) -> None:
+        self._problem = problem
+        self._solvers = solvers
+        self._twins = twins
+        self._folder = folder
+        self._find = search
+        self._options = options
+        self._result: Result | None = None
+        self._notices: list[str] = []
+
+    def run(self) -> Result:
+        """Search, learn the ratios at the answer, search again; verify what there are runs for.
+
+        Ctrl-C ends it with the last result, as interrupted.
+
+        Raises
+        ------
+        InputError, SolverNotFoundError, RunFailedError, StoreError
+            As `grainfit.calibrate`.
+        """
+        try:
+            twins = first_twins(self._solvers, self._twins, self._problem)
+            self._say(messages.FIRST_SEARCH(tests=_in_words(twins)))
+            result = self._search(twins)
+            for _ in range(_MOST_SERIES):
+                if result.status != "predicted":
+                    return result
+                learnt = self._learn(result, twins)
+                has_moved = self._has_moved(twins, learnt)
+                twins = learnt
+                self._say(messages.NEXT_SEARCH())
+                result = self._search(twins)
+                if not has_moved:
+                    break
+            return self._verified(result, twins)
+        except KeyboardInterrupt:
+            if self._result is None:
+                raise
+            return replace(self._result, status="interrupted")
+
+    def _say(self, words: str) -> None:
+        self._options.on_phase(words)
+
+    def _search(self, twins: Twins) -> Result:
+        self._result = self._find(twins)
+        return self._result
+
+    # Ratios -----------------------------------------------------------------------------------
+
+    def _learn(self, result: Result, twins: Twins) -> Twins:
+        """Return the twins with the ratios that a series of sizes at the answer gives."""
+        ratios = dict(twins.ratios)
+        for name, twin in self._twins.items():
+            series = self._series(name, twin, result)
+            for target in series.targets:
+                one, used = result.responses[target.name], twins.ratios[target.name]
+                there = _of_twin(one.predicted, one.standard_error, used)
+                found = _with_smallest(series, target.name, there).prediction(target)
+                if found is not None and found.value * there.mean > 0:
+                    error = found.half_width / NORMAL_QUANTILE
+                    ratios[target.name] = SizeRatio(found.value / there.mean, error)
+        return replace(twins, ratios=ratios)
+
+    def _series(self, name: str, twin: Solver, result: Result) -> SizesOfTest:
+        solver = self._solvers[name]
+        share = _particles(twin) / _particles(solver)
+        times = [share * size for size in _SIZES if share * size < 1]
+        if len(times) == 1:
+            times.append(math.sqrt(share))
+        counts = [round(one * _particles(solver)) for one in times]
+        sizes = in_a_row(f"{count:,}" for count in counts)
+        self._say(messages.SIZES_OF(test=name, sizes=sizes, seeds=_SEEDS))
+        plan = SizePlan(
+            {name: solver},
+            self._problem,
+            result.parameters,
+            times,
+            1.0,
+            _SEEDS,
+            self._options.workers,
+            self._options.timeouts,
+        )
+        return simulate_sizes(plan, self._folder).tests[0]
+
+    def _has_moved(self, before: Twins, after: Twins) -> bool:
+        """Return whether a target moved by more than its tolerance from one ratio to another."""
+        targets = {target.name: target for target in self._problem.targets}
+        return any(
+            abs(ratio.value / before.ratios[name].value - 1) * abs(targets[name].value)
+            > targets[name].tolerance
+            for name, ratio in after.ratios.items()
+        )
+
+    # Full size --------------------------------------------------------------------------------
+
+    def _verified(self, result: Result, twins: Twins) -> Result:
+        """Return the verdict by runs of the laboratory's apparatus, as far as there are some."""
+        known: dict[str, list[float]] = defaultdict(list)
+        for number in range(1, _MOST_FULL + 1):
+            if result.status != "predicted":
+                return result
+            run = self._full_size_run(number, result, twins)
+            if run is None:
+                return result
+            if run.failures:
+                failed = [FullSizeFailed(test, why) for test, why in run.failures.items()]
+                return self._keep(replace(result, reasons=(*failed, *result.reasons)))
+            for name, ratio in twins.ratios.items():
+                there = result.responses[name].predicted / ratio.value
+                known[name].append(run.responses[name].value / there)
+            made = [self._made(name, values, result, twins) for name, values in known.items()]
+            judged = twins.at_full_size(result, self._options.confidence, made)
+            if judged.status == "calibrated" or number == _MOST_FULL:
+                return self._keep(judged)
+            ratios = {one.target: _ratio_at(judged, one.target, twins, result) for one in made}
+            self._keep(judged)
+            twins = replace(twins, ratios=ratios)
+            self._say(messages.NEXT_SEARCH())
+            result = self._search(twins)
+        return result
+
+    def _full_size_run(self, number: int, result: Result, twins: Twins) -> Evaluation | None:
+        """Return one run of each real test at an answer; None where none is to be made."""
+        solvers = {name: self._solvers[name] for name in self._twins}
+        proposal = Proposal(result.parameters, number, "verification")
+        limits = default_timeouts(self._problem, solvers) | dict(self._options.timeouts)
+        limits = {name: limit for name, limit in limits.items() if limit < math.inf}
+        making = CampaignOptions(
+            self._options.workers,
+            limits,
+            self._options.executor,
+            needed=needed_responses(self._problem, self._solvers),
+        )
+        if not self._options.full_size:
+            with open_campaign(solvers, self._folder, making) as campaign:
+                runs = campaign.identities(proposal)
+                if not all(campaign.is_known(run, name) for name, run in runs.items()):
+                    return None
+        self._say(messages.FULL_SIZE_RUN(number=number, tests=_in_words(twins)))
+        [found] = simulate_batch(solvers, [proposal], self._folder, making)
+        if len(solvers) == 1 and len(self._solvers) > 1:
+            [name] = solvers
+            named = {response_name(name, n, 2): one for n, one in found.responses.items()}
+            found = replace(found, responses=named)
+        return found
+
+    def _made(self, name: str, ratios: list[float], result: Result, twins: Twins) -> FullSizeMade:
+        """Return the full-size runs of a target, at the present answer.
+
+        The scatter of a run is counted as that of its twin, which is larger.
+        """
+        one, used = result.responses[name], twins.ratios[name]
+        there = one.predicted / used.value
+        own = _of_twin(one.predicted, one.standard_error, used).standard_error or 0.0
+        quality = result.metamodels.get(name)
+        scatter = 0.0 if quality is None else quality.noise
+        mean = fmean(ratios) * there
+        error = math.hypot(scatter / math.sqrt(len(ratios)), own * used.value)
+        return FullSizeMade(
+            name,
+            one.unit,
+            mean,
+            NORMAL_QUANTILE * error,
+            len(ratios),
+            one.predicted,
+            NORMAL_QUANTILE * one.standard_error,
+        )
+
+    def _keep(self, result: Result) -> Result:
+        """Write a result and its status, instead of those of the search."""
+        self._result = result
+        folder = self._folder.absolute()
+        with hold(folder), closing(RunStore.in_folder(folder)) as store:
+            store.end_calibration(result.identity, result.status)
+            result.to_json(folder / RESULT_NAME)
+        return result
+
+
+def _ratio_at(judged: Result, name: str, twins: Twins, result: Result) -> SizeRatio:
+    """Return the ratio that follows from a verdict at full size."""
+    there = result.responses[name].predicted / twins.ratios[name].value
+    found = judged.responses[name]
+    return SizeRatio(found.predicted / there, found.standard_error)
+
+
+def _of_twin(predicted: float, error: float, ratio: SizeRatio) -> MeanResponse:
+    """Return what the metamodel expects of a twin, without the error of the ratio."""
+    own = math.sqrt(max(0.0, error**2 - ratio.standard_error**2))
+    return MeanResponse(predicted / ratio.value, own / ratio.value)
+
+
+def _with_smallest(series: SizesOfTest, target: str, there: MeanResponse) -> SizesOfTest:
+    """Return a series whose smallest size is what all runs of the twin lead to expect."""
+    first, *others = series.rows
+    responses = {**first.responses, target: there}
+    return replace(series, rows=(replace(first, responses=responses), *others))
+
+
+def _particles(solver: Solver) -> int:
+    test = solver.bulk_test
+    assert test is not None, "twins are of bulk tests"
+    return test.number_of_particles
+
+
+def _in_words(twins: Twins) -> str:
+    return in_a_row(
+        f"{one.test} ({one.simulated:,} of {one.particles:,} particles)" for one in twins.tests
+    )
