@@ -259,14 +259,16 @@ def test_time_of_an_own_model_is_not_known(tmp_path: Path) -> None:
 def test_a_long_run_offers_larger_particles_and_a_smaller_apparatus(tmp_path: Path) -> None:
     beads = setup(tmp_path, ('type = "heap"', WIDE), ('"0.36 MPa"', '"20 MPa"'))
     [note] = [n for n in describe_plan(beads).notes if n.startswith("Test heap: a run takes")]
-    smaller = re.search(r"strategy\.smaller = ([0-9.e-]+) searches", note)
-    assert smaller is not None
+    twins = re.search(r"strategy\.twins = ([0-9]+) searches", note)
+    assert twins is not None
     assert note.count("expected to move bulk_density by -") == 2
-    relative = setup(
+    offered = setup(
         tmp_path,
         ('type = "heap"', WIDE),
         ('"0.36 MPa"', '"20 MPa"'),
-        ("[[test]]", f"[strategy]\nsmaller = {smaller[1]}\n\n[[test]]"),
-    ).relatives["heap"]
-    assert relative.bulk_test is not None
-    assert relative.bulk_test.number_of_particles == pytest.approx(3000, rel=0.2)
+        ("[[test]]", f"[strategy]\ntwins = {twins[1]}\n\n[[test]]"),
+    )
+    twin = offered.twins["heap"].bulk_test
+    assert twin is not None
+    assert twin.number_of_particles == pytest.approx(3000, rel=0.2)
+    assert not [n for n in describe_plan(offered).notes if n.startswith("Test heap: a run takes")]

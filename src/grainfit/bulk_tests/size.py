@@ -32,7 +32,7 @@ class CanBeResized(Protocol):
         """Return the options of an apparatus that is so many times as large.
 
         Speeds follow by Froude's law. Outlets stay in a larger one, because flow follows them and
-        not the vessel; in a smaller one they become narrower down to the usual width.
+        not the vessel; in a smaller one they become narrower as long as nothing arches.
         """
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from grainfit.problem import Problem
+from grainfit.problem import Problem, Target
 from grainfit.result import ResponseResult, Result
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.full_size import probability_within, status_at_full_size, verdict_of
@@ -39,24 +39,32 @@ class Twins:
         By name of the target; targets of tests that are simulated as they are have none.
     tests : tuple of RealTest
         The tests that have a twin.
+    are_measured : bool
+        Whether a series of sizes gave the ratios.
     """
 
     ratios: Mapping[str, SizeRatio]
     tests: tuple[RealTest, ...]
+    are_measured: bool = False
 
     def problem(self, problem: Problem) -> Problem:
         """Return the problem whose evaluations are multiplied by the ratios.
 
-        The errors of the ratios are a part of the uncertainties of the targets.
+        The errors of the ratios are a part of the uncertainties of the targets, and until the
+        ratios are measured of the tolerances, too: a search need not be finer than they are.
         """
-        targets = [
-            replace(one, uncertainty=math.hypot(one.standard_uncertainty, ratio.standard_error))
-            if (ratio := self.ratios.get(one.name)) is not None
-            else one
-            for one in problem.targets
-        ]
+        targets = [self._target(one) for one in problem.targets]
         ratios = {name: ratio.value for name, ratio in self.ratios.items()}
         return replace(problem, targets=targets, ratios=ratios)
+
+    def _target(self, target: Target) -> Target:
+        ratio = self.ratios.get(target.name)
+        if ratio is None:
+            return target
+        error = ratio.standard_error
+        uncertainty = math.hypot(target.standard_uncertainty, error)
+        tolerance = target.tolerance if self.are_measured else math.hypot(target.tolerance, error)
+        return replace(target, uncertainty=uncertainty, tolerance=tolerance)
 
     def predicted(self, result: Result, confidence: float) -> Result:
         """Return a result of twins as a prediction for the laboratory's apparatus.
@@ -79,7 +87,7 @@ class Twins:
             else found
             for name, found in result.responses.items()
         }
-        pending = FullSizePending(self.tests)
+        pending = FullSizePending(self.tests, self.are_measured)
         return _with(result, responses, (*result.reasons, pending))
 
     def at_full_size(

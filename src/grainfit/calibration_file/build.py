@@ -15,6 +15,7 @@ from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.scopes import restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.checks.context import context_of
 from grainfit.calibration_file.checks.registry import findings
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
@@ -242,6 +243,8 @@ class CalibrationSetup:
                 **options,
             )
             if not self.twins:
+                if self.strategy.twins is not None:
+                    on_phase(messages.ALL_SMALL(twins=self.strategy.twins))
                 return search()
             real = RealSizeOptions(
                 getattr(options["strategy"], "confidence", VERDICT.confidence),

@@ -140,7 +140,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         where = f"{error.source}: " if error.source else ""
         problems += [f"{where}{fault}" for fault in error.faults]
     problem = setup.problem
-    context = context_of(setup.file, problem, setup.simulated, costs, time)
+    context = context_of(setup.file, problem, setup.solvers, costs, time)
     return Plan(
         setup.name,
         problem.parameters,

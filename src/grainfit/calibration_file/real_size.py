@@ -33,7 +33,7 @@ from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.reasons import FullSizeFailed, FullSizeMade
 
 #: Sizes at an answer, over that of a twin, and runs of each.
-_SIZES, _SEEDS = (1.0, 2.0, 4.0), 3
+_SIZES, _SEEDS = (1.0, 1.75, 3.0), 3
 #: Most series of sizes, and most runs at full size.
 _MOST_SERIES, _MOST_FULL = 3, 3
 
@@ -154,7 +154,7 @@ class RealSizeCalibration:
                 if found is not None and found.value * there.mean > 0:
                     error = found.half_width / NORMAL_QUANTILE
                     ratios[target.name] = SizeRatio(found.value / there.mean, error)
-        return replace(twins, ratios=ratios)
+        return replace(twins, ratios=ratios, are_measured=True)
 
     def _series(self, name: str, twin: Solver, result: Result) -> SizesOfTest:
         solver = self._solvers[name]

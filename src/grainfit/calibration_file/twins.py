@@ -95,11 +95,16 @@ def targets_of(test: str, problem: Problem) -> Iterator[tuple[str, Target]]:
             yield target.name.removeprefix(f"{test}."), target
 
 
+def has_twin(test: BulkTest | None, particles: int | None) -> bool:
+    """Return whether a test holds more than a number of particles, where one is given."""
+    return test is not None and particles is not None and test.number_of_particles > particles
+
+
 def _twin(solver: Solver, particles: int) -> BulkTest | None:
     test = solver.bulk_test
     if test is None:
         raise InputError(Fault("", messages.UNKNOWN_SIZE()))
-    if test.number_of_particles <= particles:
+    if not has_twin(test, particles):
         return None
     return resized(test, particles / test.number_of_particles)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from grainfit.bulk_tests.base import BulkTest
@@ -25,12 +25,15 @@ class CheckContext:
         Parameters that are not free.
     test_keys : mapping of str to str
         Key of each test in the calibration file, ``test[0]`` that of the first, by name.
+    twins : collection of str
+        Tests of which a smaller apparatus is simulated.
     """
 
     problem: Problem
     solvers: Mapping[str, Solver]
     fixed: Mapping[str, float] = field(default_factory=dict)
     test_keys: Mapping[str, str] = field(default_factory=dict)
+    twins: Collection[str] = ()
 
     @property
     def bulk_tests(self) -> dict[str, BulkTest]:

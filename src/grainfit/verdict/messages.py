@@ -116,6 +116,10 @@ FULL_SIZE_PENDING = Message(
     "'grainfit run FILE --full-size' makes one of each, and the verdict follows; stopped at any "
     "time, it continues.",
 )
+NOT_MEASURED = Message(
+    "How their responses change with the size was not simulated yet.",
+    "Start the same command again to continue.",
+)
 REAL_TEST = Message("{test} ({particles} particles instead of {simulated}) takes {time}")
 FULL_SIZE_AGREES = Message(
     "{target} at full size is {found} (mean of {runs}); smaller apparatus predict {predicted}."

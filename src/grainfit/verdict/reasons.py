@@ -488,13 +488,18 @@ class RealTest:
 
 @dataclass(frozen=True)
 class FullSizePending(Reason):
-    """Smaller apparatus were simulated, and no run of the laboratory's was made."""
+    """Smaller apparatus were simulated, and no run of the laboratory's was made.
+
+    ``is_measured`` says whether a series of sizes at the answer led to the prediction.
+    """
 
     tests: tuple[RealTest, ...]
+    is_measured: bool = True
     kind = "full size pending"
 
     def __str__(self) -> str:
-        return messages.FULL_SIZE_PENDING(tests=in_a_row(map(str, self.tests)))
+        pending = messages.FULL_SIZE_PENDING(tests=in_a_row(map(str, self.tests)))
+        return pending if self.is_measured else f"{messages.NOT_MEASURED()} {pending}"
 
 
 @dataclass(frozen=True)

@@ -181,7 +181,7 @@ class Discharge(BulkTest):
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large.
 
-        An outlet becomes no narrower than the usual one, and no wider: flow follows it.
+        An outlet becomes narrower as long as nothing arches over it, and no wider: flow follows it.
         """
         options = scaled(self, scale, depth=1, width=1, fill_height=1)
         return options | self.setup.outlet_at(scale)

@@ -26,8 +26,9 @@ SLOT, ROUND = "slot", "round"
 #: Default diameter of a round orifice, in Sauter diameters; it is not smaller than so many of the
 #: largest particles.
 _ORIFICE, _LEAST_ORIFICE = 6, 5.0
-#: Default width of a slot, in Sauter diameters.
-_SLOT = 5
+#: Width over which outlets, round ones and slots, become no narrower, in Sauter diameters: of 11
+#: runs with a round one of 6, one arched.
+_OPEN_ORIFICE, _OPEN_SLOT = 8.0, 6.5
 #: Beverloo's law: an outlet counts narrower by so many diameters.
 _EMPTY_RIM = 1.5
 #: Options of the other kind of orifice.
@@ -83,9 +84,9 @@ class DischargeSetup(Setup):
             Size of the vessel over the present one.
         """
         name = "orifice_diameter" if self.is_round else "slot_width"
-        usual = self.usual_orifice if self.is_round else self.usual(name, _SLOT)
+        open_ = self.d * (_OPEN_ORIFICE if self.is_round else _OPEN_SLOT)
         width = 2 * self.container.half_outlet
-        return {name: min(width, max(usual or 0.0, scale * width))}
+        return {name: min(width, max(open_, scale * width))}
 
     @property
     def outlet_flow(self) -> float:

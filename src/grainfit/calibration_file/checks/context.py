@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.calibration_file.run_time import RunTime
+from grainfit.calibration_file.twins import has_twin
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
 from grainfit.solvers.check_context import CheckContext
@@ -18,7 +19,7 @@ class FileContext(CheckContext):
 
     Parameters
     ----------
-    problem, solvers, fixed, test_keys
+    problem, solvers, fixed, test_keys, twins
         As of a `CheckContext`.
     file : CalibrationFile
         The file.
@@ -56,4 +57,8 @@ def context_of(
 ) -> FileContext:
     """Return the context of the checks of a file; costs and time as of a `FileContext`."""
     keys = {test.name: f"test[{test.number}]" for test in file.tests}
-    return FileContext(problem, solvers, file.fixed, keys, file=file, costs=costs or {}, time=time)
+    tests = {name: solver.bulk_test for name, solver in solvers.items()}
+    twins = [name for name, test in tests.items() if has_twin(test, file.strategy.twins)]
+    return FileContext(
+        problem, solvers, file.fixed, keys, twins, file=file, costs=costs or {}, time=time
+    )

@@ -166,17 +166,14 @@ def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
 def _twin(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
     """Offer a search in smaller apparatus with the same particles, for targets at that size."""
     seconds: dict[str, float] = {}
-    largest = 0
     for name, solver, test in _known_tests(context):
         if (twin := twin_of(test)) is not None:
             cost = solver.estimate_cost_of(twin, _material(context, solver))
             seconds[name] = cost.wall_seconds
-            largest = max(largest, test.number_of_particles)
     if seconds:
         words = (
-            f"smaller apparatus that hold {TWIN} particles (strategy.smaller = "
-            f"{number(TWIN / largest, 1)} searches in them and verifies the real ones, 'grainfit "
-            "size' measures what they change)"
+            f"smaller apparatus that hold {TWIN} particles (strategy.twins = {TWIN} searches in "
+            "them and predicts the real ones: one run of each, and a series of sizes, come on top)"
         )
         yield words + _moved(context, dict.fromkeys(seconds, TWIN)), seconds
 

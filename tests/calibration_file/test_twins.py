@@ -1,0 +1,194 @@
+"""`[strategy] twins`: a calibration for the real apparatus by runs of smaller ones."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.calibration.twins import SizeRatio, Twins, combined
+from grainfit.calibration_file import messages
+from grainfit.calibration_file.plan import describe_plan
+from grainfit.cli.app import app
+from grainfit.errors import InputError
+from grainfit.report import verdict_messages as of_report
+from grainfit.verdict import messages as of_verdict
+from grainfit.verdict.full_size import probability_within, status_at_full_size
+from grainfit.verdict.reasons import FullSizeMade, FullSizePending, RealTest
+
+POT = """
+name = "pot"
+[particle]
+diameter = "10 mm"
+youngs_modulus = "0.2 MPa"
+poissons_ratio = 0.22
+density = { min = "1400 kg/m^3", max = "2800 kg/m^3" }
+[wall]
+youngs_modulus = "211 GPa"
+poissons_ratio = 0.30
+density = "7700 kg/m^3"
+[particle_particle]
+sliding_friction = 0.18
+rolling_friction = 0.1
+restitution = 0.5
+rolling_damping = 0.0
+[particle_wall]
+sliding_friction = 0.27
+rolling_friction = 0.05
+restitution = 0.5
+rolling_damping = 0.0
+[[test]]
+type = "packing"
+solver = "lammps"
+cylinder_radius = "50 mm"
+fill_height = "110 mm"
+targets.bulk_density = { value = "1200 kg/m^3", uncertainty = "3 %" }
+[strategy]
+twins = 250
+workers = 1
+"""
+
+
+def written(folder: Path, text: str = POT, **changes: str) -> Path:
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    path = folder / "pot.toml"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.slow
+def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    setup = gf.load(written(tmp_path))
+    # Ctrl-C between the phases: a part of the work is done at each start.
+    phases: list[str] = []
+
+    def stop(words: str) -> None:
+        phases.append(words)
+        if len(phases) % 3 == 0:
+            raise KeyboardInterrupt
+
+    interrupted = setup.calibrate(on_phase=stop)
+    assert interrupted.status == "interrupted"
+    assert gf.open("pot.grainfit").state == "predicted"
+    assert of_verdict.NOT_MEASURED.is_in(str(interrupted))
+    predicted = setup.calibrate()
+    assert predicted.status == "predicted"
+    assert not of_verdict.NOT_MEASURED.is_in(str(predicted))
+    [pending] = [one for one in predicted.reasons if isinstance(one, FullSizePending)]
+    [test] = pending.tests
+    assert (test.test, test.particles, test.simulated) == ("packing", 957, 250)
+    found = predicted.responses["bulk_density"]
+    assert (found.target, found.verified_values) == (1200.0, ())
+    assert found.standard_error > 2.0
+
+    status = CliRunner().invoke(app, ["status", "pot.grainfit"])
+    assert "pot: predicted" in status.output
+    assert CliRunner().invoke(app, ["report", "pot.grainfit"]).exit_code == 0
+    assert of_report.PREDICTED() in Path("pot.grainfit/report.html").read_text()
+    card = CliRunner().invoke(app, ["export", "pot.grainfit", "--to", "json"])
+    assert json.loads(card.stdout)["status"] == "predicted"
+
+    done = CliRunner().invoke(app, ["run", "pot.toml", "--full-size", "--no-report"])
+    assert done.exit_code == 0, done.output
+    assert of_verdict.FULL_SIZE_AGREES.is_in(done.output)
+    verified = gf.Result.from_json("pot.grainfit/result.json")
+    [made] = [one for one in verified.reasons if isinstance(one, FullSizeMade)]
+    assert made.mean == pytest.approx(1200, rel=0.03)
+    # The run is known: no start makes it, or forgets it, again.
+    assert setup.calibrate().status == "calibrated"
+    assert gf.open("pot.grainfit").state == "calibrated"
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"twins = 250": "twins = 250\nsmaller = 0.5"}, messages.TWINS_AND_RELATIVES),
+        (
+            {
+                "[strategy]": "[[test]]\ntype = 'python'\nname = 'own'\nfunction = 'own.py:f'\n"
+                "targets.y = { value = 1, tolerance = 1 }\n[strategy]"
+            },
+            messages.UNKNOWN_SIZE,
+        ),
+        (
+            {
+                '"packing"': '"draw_down"',
+                "cylinder_radius": "width",
+                "bulk_density": "mass_flow",
+                'fill_height = "110 mm"': "",
+                "1200 kg/m^3": "1 kg/s",
+                '"50 mm"': '"300 mm"',
+                "twins = 250": "twins = 1500",
+            },
+            messages.NOT_COMPARED,
+        ),
+    ],
+)
+def test_what_has_no_twin_is_refused(tmp_path: Path, changes: dict, message) -> None:
+    (tmp_path / "own.py").write_text("def f(parameters, seed):\n    return {'y': 1.0}\n")
+    with pytest.raises(InputError) as caught:
+        gf.load(written(tmp_path, **changes))
+    assert message.is_in(str(caught.value))
+    assert "strategy.twins" in str(caught.value)
+
+
+def test_small_tests_are_simulated_as_they_are(tmp_path: Path) -> None:
+    setup = gf.load(written(tmp_path, **{"twins = 250": "twins = 2000"}))
+    assert setup.twins == {}
+    assert messages.ALL_SMALL(twins=2000) in describe_plan(setup).lines
+
+
+def test_check_says_what_is_simulated(tmp_path: Path) -> None:
+    plan = describe_plan(gf.load(written(tmp_path)))
+    [line] = [one for one in plan.lines if messages.TWINS_SIMULATED.is_in(one)]
+    assert "250" in line
+    assert "957" in line
+
+
+def made(mean: float, half: float, predicted: float, predicted_half: float) -> FullSizeMade:
+    return FullSizeMade("angle", "deg", mean, half, 1, predicted, predicted_half)
+
+
+def test_a_run_at_full_size_is_weighed_with_what_agrees_with_it() -> None:
+    # Equal errors: the middle, with the error of a mean of two.
+    assert combined(made(30.0, 1.96, 31.0, 1.96)) == pytest.approx((30.5, 1 / math.sqrt(2)))
+    # Beyond both intervals the run counts alone.
+    assert combined(made(30.0, 1.96, 34.0, 1.96)) == pytest.approx((30.0, 1.0))
+    assert of_verdict.FULL_SIZE_DIFFERS.is_in(str(made(30.0, 1.96, 34.0, 1.96)))
+
+
+def test_status_at_full_size() -> None:
+    assert probability_within(30.0, 0.5, 30.0, 0.98) == pytest.approx(0.95, abs=1e-3)
+    assert probability_within(30.0, 0.0, 31.0, 0.5) == 0.0
+    assert status_at_full_size([0.99, 0.97], 0.95) == "calibrated"
+    assert status_at_full_size([0.96, 0.96], 0.95) == "undecided"
+    assert status_at_full_size([0.99, 0.01], 0.95) == "out_of_tolerance"
+
+
+def test_targets_are_those_of_the_laboratory_and_less_sure() -> None:
+    problem = gf.Problem([gf.Parameter("mu", 0.1, 0.9)], [gf.Target("angle", 30.0, uncertainty=3)])
+    twins = Twins({"angle": SizeRatio(0.9, 4.0)}, (RealTest("heap", 50_000, 1500),), True)
+    real = twins.problem(problem)
+    assert real.targets[0].value == 30.0
+    assert real.targets[0].tolerance == 3.0
+    assert real.targets[0].uncertainty == pytest.approx(5.0)
+    # A first search is no finer than ratios that are not measured yet.
+    first = replace(twins, are_measured=False).problem(problem)
+    assert first.targets[0].tolerance == pytest.approx(5.0)
+    found = gf.calibrate(problem, lambda p, seed: {"angle": 10 + 40 * p["mu"]}, twins=twins, seed=2)
+    assert found.status == "predicted"
+    # 0.9 (10 + 40 mu) = 30.
+    assert found.parameters["mu"] == pytest.approx(0.583, abs=0.01)
+    assert found.responses["angle"].predicted == pytest.approx(30.0, abs=0.3)
+    assert found.responses["angle"].standard_error >= 4.0
+    assert found.probability_all_met is not None
+    assert found.probability_all_met < 0.6
