@@ -13,6 +13,7 @@ import needs
 from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.hopper import Hopper
 from grainfit.bulk_tests.outline import concepts
+from grainfit.bulk_tests.size import growth, resized
 from grainfit.bulk_tests.workload import workload
 from grainfit.errors import InputError
 from grainfit.evaluation import Curve, Response
@@ -164,3 +165,28 @@ def test_a_material_that_arches_over_the_outlet_has_no_flow_and_no_time(tmp_path
     assert found["residual_mass"].value == pytest.approx(filled, rel=0.2)
     drawn = Hopper(diameter="10 mm", slot_width="15 mm", **WEDGE).view(RunOutput(tmp_path))
     assert "arches over the slot" in drawn.measured_drawing(1.0).words
+
+
+def test_a_smaller_bucket_has_a_narrower_outlet_and_its_flow_follows_beverloo() -> None:
+    bucket = Hopper(
+        diameter="4 mm",
+        half_angle="90 deg",
+        width="200 mm",
+        orifice_diameter="50 mm",
+        fill_height="200 mm",
+    )
+    half, small = (resized(bucket, times) for times in (0.75**3, 0.02))
+    # 0.75 of 50 mm, and 8 d where that is wider.
+    assert half.setup.orifice_diameter == pytest.approx(0.0375)
+    assert small.setup.orifice_diameter == pytest.approx(0.032)
+    assert resized(bucket, 2.0).setup.orifice_diameter == pytest.approx(0.05)
+    flow = ((37.5 - 6) / (50 - 6)) ** 2.5
+    assert growth(bucket, "mass_flow", 0.75**3) == pytest.approx(flow)
+    assert growth(bucket, "discharge_time", 0.75**3) == pytest.approx(0.75**3 / flow)
+    assert growth(bucket, "bulk_density", 0.02) == 1.0
+    # A default outlet is as narrow as it can be.
+    usual = Hopper(diameter="4 mm")
+    assert growth(usual, "mass_flow", 0.5) == 1.0
+    # The flow of a slot is that of its depth.
+    slot = Hopper(diameter="10 mm", orifice="slot")
+    assert growth(slot, "mass_flow", 8.0) == pytest.approx(2.0)
