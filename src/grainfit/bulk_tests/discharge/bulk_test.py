@@ -26,6 +26,7 @@ from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
@@ -83,6 +84,12 @@ class Discharge(BulkTest):
         unusual_flow,
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "width",
+        Range(0.8, 1.3, power=-1),
+        factors={"slot_width": Range(0.8, 1.6), "fill_height": Range(0.7, 1.4)},
+        indifferent=("settling_time_limit", "time_step_fraction"),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": ResponseInfo(
             "kg/s",

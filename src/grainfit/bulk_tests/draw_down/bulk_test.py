@@ -36,6 +36,7 @@ from grainfit.bulk_tests.shared.validity import (
     require_separate,
 )
 from grainfit.bulk_tests.size import scaled
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
@@ -98,6 +99,12 @@ class DrawDown(BulkTest):
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     size_powers: ClassVar[Mapping[str, float | None]] = {"mass_flow": None}
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "width",
+        Range(0.75, 1.2, power=-1),
+        factors={"slot_width": Range(0.9, 1.6), "fill_height": Range(0.7, 1.3)},
+        indifferent=("shelf_thickness", "settling_time_limit", "time_step_fraction"),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
             "kg/m^3",

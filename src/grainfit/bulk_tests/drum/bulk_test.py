@@ -23,6 +23,7 @@ from grainfit.bulk_tests.sensitivities import MODULUS, ROLLING, SLIDING, Sensiti
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import NotMeasurableError, RunFailedError
@@ -75,6 +76,20 @@ class Drum(BulkTest):
     parts: ClassVar[Parts] = {"drum": ("drum",), "caps": _CAPS}
     shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {}
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "drum_radius",
+        Range(0.75, 1.6, power=-1),
+        factors={"rotational_speed": Range(0.4, 2.5, power=0)},
+        values={"fill_level": Range(0.25, 0.5)},
+        indifferent=(
+            "drum_length",
+            "discarded_turns",
+            "averaged_turns",
+            "froude_number",
+            "time_step_fraction",
+        ),
+        left=("drum_length",),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "dynamic_angle": ResponseInfo(
             "deg",

@@ -20,7 +20,7 @@ from grainfit.bulk_tests.sensitivities import RESTITUTION, ROLLING, SLIDING, Sen
 from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.options import LENGTH, TIME
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
-from grainfit.bulk_tests.shared.part_friction import friction_of_part
+from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_part
 from grainfit.bulk_tests.shared.plate import (
     PLATE as PLATE_SURFACE,
 )
@@ -38,6 +38,7 @@ from grainfit.bulk_tests.shared.plate import (
 from grainfit.bulk_tests.shared.responses import heap_profile, heap_responses
 from grainfit.bulk_tests.shared.validity import arch, require_separate
 from grainfit.bulk_tests.size import scaled
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
@@ -105,6 +106,22 @@ class Funnel(BulkTest):
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     size_powers: ClassVar[Mapping[str, float | None]] = {"base_radius": 1, "heap_height": 1}
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "poured_volume",
+        Range(0.75, 1.35, power=-1),
+        size_power=3,
+        factors={"outlet_diameter": Range(0.95, 1.4), "funnel_height": Range(0.6, 2.0)},
+        values={"plate_sliding_friction": Range(0.2, 1.0)},
+        same={"plate_rolling_friction": AS_PARTICLES},
+        indifferent=(
+            "raise_speed",
+            "funnel_radius",
+            "plate_radius",
+            "settling_time_limit",
+            "views",
+            "time_step_fraction",
+        ),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = heap_responses(
         _AT_EDGE,
         {

@@ -38,6 +38,7 @@ from grainfit.bulk_tests.shared.responses import BULK_DENSITY, heap_profile, hea
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import NotMeasurableError
@@ -117,6 +118,24 @@ class Heap(BulkTest):
     }
     shown: ClassVar[Shown] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {"base_radius": 1, "heap_height": 1}
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "cylinder_radius",
+        Range(0.7, 1.3, power=-1),
+        factors={"strike_off_height": Range(0.6, 1.5), "lift_speed": Range(0.3, 3.0, power=0)},
+        values={"plate_sliding_friction": Range(0.2, 1.0)},
+        same={"plate_rolling_friction": AS_PARTICLES},
+        indifferent=(
+            "particle_count",
+            "plate_radius",
+            "bulk_density_bottom",
+            "bulk_density_top",
+            "lift_height",
+            "settling_time_limit",
+            "views",
+            "time_step_fraction",
+        ),
+        left=("bulk_density_top",),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
         **heap_responses(

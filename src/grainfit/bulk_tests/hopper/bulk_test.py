@@ -20,6 +20,7 @@ from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE
 from grainfit.bulk_tests.shared.vessel import FLAT, FLATTEST, STEEPEST
 from grainfit.bulk_tests.size import scaled
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
@@ -70,6 +71,13 @@ class Hopper(Discharge):
     }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown] = Shown("hopper", "mass_flow", snapshot_file(END), _PICTURE)
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "width",
+        Range(0.8, 1.2, power=-1),
+        factors={"orifice_diameter": Range(0.85, 1.4), "fill_height": Range(0.7, 1.3)},
+        values={"half_angle": Range(10.0, 80.0)},
+        indifferent=("settling_time_limit", "time_step_fraction"),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": replace(
             Discharge.responses["mass_flow"],

@@ -25,6 +25,7 @@ from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
@@ -111,6 +112,18 @@ class Packing(BulkTest):
     parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}
     shown: ClassVar[Shown] = Shown("bed", "bulk_density", snapshot_file(BED), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {}
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "cylinder_radius",
+        Range(0.7, 1.3, power=-1),
+        factors={"fill_height": Range(0.6, 1.4)},
+        indifferent=(
+            "bulk_density_bottom",
+            "bulk_density_top",
+            "settling_time_limit",
+            "time_step_fraction",
+        ),
+        left=("bulk_density_top",),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 
     cylinder_radius: Amount | None = option(

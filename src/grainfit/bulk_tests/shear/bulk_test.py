@@ -27,6 +27,7 @@ from grainfit.bulk_tests.shear.picture import draw_shear
 from grainfit.bulk_tests.shear.plane_shear import STRAIN, PlaneShear
 from grainfit.bulk_tests.shear.validity import is_held, require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
@@ -71,6 +72,13 @@ class Shear(PlaneShear):
         **dict.fromkeys(("phi_e", "phi_sf", "phi_lin"), messages.ENTER_ANGLE()),
     }
     shown: ClassVar[Shown] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "length",
+        Range(0.85, 1.6, power=-1),
+        values={"inertial_number": Range(0.005, 0.05, power=0)},
+        loads={"normal_stress": Range(1.0, 200.0, power=0)},
+        indifferent=("transient_strain", "averaged_strain", "time_step_fraction"),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         _ANGLE: ResponseInfo(
             "deg",

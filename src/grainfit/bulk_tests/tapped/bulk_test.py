@@ -17,6 +17,7 @@ from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.tapped import messages
 from grainfit.bulk_tests.tapped.few_taps import few_taps
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault
@@ -94,6 +95,10 @@ class Tapped(Packing):
     checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (narrow_cylinder, few_taps)
     title: ClassVar[str] = "tapped container"
     shown: ClassVar[Shown] = Shown("bed", "tapped_density", snapshot_file(_TAPPED), _PICTURE)
+    varied: ClassVar[VariedOptions] = replace(
+        Packing.varied,
+        factors={**Packing.varied.factors, "drop_height": Range(0.3, 2.0, power=0)},
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
         "tapped_density": ResponseInfo(

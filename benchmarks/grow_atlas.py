@@ -1,0 +1,39 @@
+"""Grow the atlas: simulate the rows of its design that are missing, a test after the other.
+
+Finished rows are kept in the folder ``--kept``, one file of JSON lines a test, so that the command
+can be stopped and started again, with more rows as well.
+
+    python benchmarks/grow_atlas.py --kept FOLDER [--tests heap ...] [--rows 128] [--processes 1]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from grainfit.atlas.growing import grow
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.varied_options import InAtlas
+
+IN_ATLAS = {name: kind for name, kind in bulk_tests().items() if isinstance(kind, InAtlas)}
+
+
+def main() -> None:
+    """Make the rows that are missing."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--kept", type=Path, required=True)
+    parser.add_argument("--tests", nargs="+", default=list(IN_ATLAS), choices=list(IN_ATLAS))
+    parser.add_argument("--rows", type=int, default=128)
+    parser.add_argument("--processes", type=int, default=1)
+    given = parser.parse_args()
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    given.kept.mkdir(parents=True, exist_ok=True)
+    for name in given.tests:
+        path = given.kept / f"{name}.jsonl"
+        for row in grow(IN_ATLAS[name], path, given.rows, given.processes):
+            print(f"{name} {row.number}: {row.seconds} CPU s {row.why[:80]}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The atlas: runs of the bulk tests in natural units, which answer before any simulation."""

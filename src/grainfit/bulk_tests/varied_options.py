@@ -1,0 +1,96 @@
+"""What the atlas varies of a test's apparatus: ranges of its options in natural units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+
+@dataclass(frozen=True)
+class Range:
+    """Values that an input of the atlas takes, and the scale on which responses follow it.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends.
+    power : float
+        Responses follow this power of the input; 0 is its logarithm.
+
+    Examples
+    --------
+    >>> Range(0.1, 10.0, power=0).share(1.0)
+    0.5
+    >>> Range(1.0, 3.0).at(0.5)
+    2.0
+    """
+
+    low: float
+    high: float
+    power: float = 1.0
+
+    def share(self, value: float) -> float:
+        """Return where a value lies: 0 at the lower end, 1 at the upper; beyond outside of them."""
+        low, high = self._of(self.low), self._of(self.high)
+        return (self._of(value) - low) / (high - low)
+
+    def at(self, share: float) -> float:
+        """Return the value at a share of the range."""
+        low, high = self._of(self.low), self._of(self.high)
+        position = low + share * (high - low)
+        return math.exp(position) if self.power == 0 else float(position ** (1 / self.power))
+
+    def _of(self, value: float) -> float:
+        return math.log(value) if self.power == 0 else float(value**self.power)
+
+
+@dataclass(frozen=True)
+class VariedOptions:
+    """Options of a test that the rows of the atlas vary.
+
+    Parameters
+    ----------
+    size_option : str
+        The option that tells how large an apparatus is.
+    size : Range
+        Its size over the usual one; responses follow the reciprocal, with 0 of a large apparatus.
+    size_power : float
+        Power of the size that the option follows: 3 of a volume.
+    factors : mapping of str to Range
+        Options over their usual value at this size.
+    values : mapping of str to Range
+        Options without a unit, as they are.
+    loads : mapping of str to Range
+        Stresses over the weight of a particle on its cross-section, rho g d.
+    same : mapping of str to object
+        Options that are the same in every row, and not the usual ones.
+    indifferent : tuple of str
+        Options on which responses hardly depend: every value is admitted.
+    left : tuple of str
+        Those of them that keep their own default at every size.
+    """
+
+    size_option: str
+    size: Range
+    size_power: float = 1.0
+    factors: Mapping[str, Range] = field(default_factory=dict)
+    values: Mapping[str, Range] = field(default_factory=dict)
+    loads: Mapping[str, Range] = field(default_factory=dict)
+    same: Mapping[str, Any] = field(default_factory=dict)
+    indifferent: tuple[str, ...] = ()
+    left: tuple[str, ...] = ()
+
+    @property
+    def ranges(self) -> dict[str, Range]:
+        """Ranges of all inputs of the apparatus, by the name of the input."""
+        return {"size": self.size, **self.factors, **self.values, **self.loads}
+
+
+@runtime_checkable
+class InAtlas(Protocol):
+    """A test of which the atlas has rows."""
+
+    #: What its rows vary.
+    varied: ClassVar[VariedOptions]
