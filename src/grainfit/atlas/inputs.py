@@ -29,7 +29,8 @@ _OVERLAP = -2 / 3
 #: Frictions, and the restitution of all contacts.
 MATERIAL: Mapping[str, Range] = {
     SLIDING: Range(0.05, 1.5, power=0),
-    ROLLING: Range(0.01, 1.5, power=0),
+    # Below 0.05 hardly any heap is one: fewer rows are there than on a logarithmic scale.
+    ROLLING: Range(0.01, 1.5, power=0.3),
     WALL_SLIDING: Range(0.05, 1.2, power=0),
     WALL_ROLLING: Range(0.005, 0.8, power=0),
     RESTITUTION: Range(0.2, 0.9),
@@ -91,7 +92,7 @@ def simulated(kind: type[BulkTest], inputs: Mapping[str, float]) -> Simulated:
     InputError
         The apparatus is impossible.
     """
-    test = _apparatus(kind, inputs, ROW_SCALE)
+    test = apparatus(kind, inputs, ROW_SCALE)
     material = {
         **_FIXED,
         **{name: inputs[name] for name in MATERIAL},
@@ -104,14 +105,15 @@ def simulated(kind: type[BulkTest], inputs: Mapping[str, float]) -> Simulated:
     return Simulated(replace(test, time_step_fraction=fraction), material)
 
 
-def _apparatus(kind: type[BulkTest], inputs: Mapping[str, float], scale: Scale) -> BulkTest:
+def apparatus(kind: type[BulkTest], inputs: Mapping[str, float], scale: Scale) -> BulkTest:
     """Return a test in the apparatus of a row, at any scale."""
     varied = varied_of(kind)
     usual = kind(diameter=scale.length, gravity=scale.gravity, **varied.same)  # type: ignore[call-arg]
     options: dict[str, Any] = {**varied.same, **_at_size(usual, varied, inputs[SIZE])}
     values = usual.resolved_options()
-    for name in varied.factors:
-        options[name] = inputs[name] * options.get(name, values[name])
+    factors = {**varied.wider, **{name: inputs[name] for name in varied.factors}}
+    for name, factor in factors.items():
+        options[name] = factor * options.get(name, values[name])
     options |= {name: inputs[name] for name in varied.values}
     options |= {name: inputs[name] * scale.of("Pa") for name in varied.loads}
     return kind(diameter=scale.length, gravity=scale.gravity, **options)  # type: ignore[call-arg]

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class Range:
@@ -21,7 +23,7 @@ class Range:
 
     Examples
     --------
-    >>> Range(0.1, 10.0, power=0).share(1.0)
+    >>> float(Range(0.1, 10.0, power=0).share(1.0))
     0.5
     >>> Range(1.0, 3.0).at(0.5)
     2.0
@@ -31,8 +33,8 @@ class Range:
     high: float
     power: float = 1.0
 
-    def share(self, value: float) -> float:
-        """Return where a value lies: 0 at the lower end, 1 at the upper; beyond outside of them."""
+    def share(self, value: Any) -> Any:
+        """Return where a value, or each of an array, lies: 0 at the lower end, 1 at the upper."""
         low, high = self._of(self.low), self._of(self.high)
         return (self._of(value) - low) / (high - low)
 
@@ -40,10 +42,20 @@ class Range:
         """Return the value at a share of the range."""
         low, high = self._of(self.low), self._of(self.high)
         position = low + share * (high - low)
-        return math.exp(position) if self.power == 0 else float(position ** (1 / self.power))
+        return float(math.exp(position) if self.power == 0 else position ** (1 / self.power))
 
-    def _of(self, value: float) -> float:
-        return math.log(value) if self.power == 0 else float(value**self.power)
+    @property
+    def limit(self) -> float:
+        """Share that an input without end approaches, up to which responses follow a trend.
+
+        1 where there is no such limit: a negative power ends at 0.
+        """
+        return float(self._of(self.low) / (self._of(self.low) - self._of(self.high))) if (
+            self.power < 0
+        ) else 1.0
+
+    def _of(self, value: Any) -> Any:
+        return np.log(value) if self.power == 0 else value**self.power
 
 
 @dataclass(frozen=True)
@@ -64,6 +76,8 @@ class VariedOptions:
         Options without a unit, as they are.
     loads : mapping of str to Range
         Stresses over the weight of a particle on its cross-section, rho g d.
+    wider : mapping of str to float
+        Options over their usual value that are the same in every row: a plate without an edge.
     same : mapping of str to object
         Options that are the same in every row, and not the usual ones.
     indifferent : tuple of str
@@ -78,6 +92,7 @@ class VariedOptions:
     factors: Mapping[str, Range] = field(default_factory=dict)
     values: Mapping[str, Range] = field(default_factory=dict)
     loads: Mapping[str, Range] = field(default_factory=dict)
+    wider: Mapping[str, float] = field(default_factory=dict)
     same: Mapping[str, Any] = field(default_factory=dict)
     indifferent: tuple[str, ...] = ()
     left: tuple[str, ...] = ()

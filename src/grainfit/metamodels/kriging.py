@@ -13,7 +13,7 @@ end differentiates the likelihood numerically and factorises again with every pr
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -695,6 +695,43 @@ class Kriging:
             **({} if ratios is None else {"noise_ratios": ratios.tolist()}),
             "components": [component.to_plain(factors) for component in self._components],
         }
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any], points: ArrayLike, values: ArrayLike) -> Kriging:
+        """Return a metamodel from the hyperparameters of `to_plain` and the runs, without a fit.
+
+        Parameters
+        ----------
+        plain : mapping
+            As of `to_plain`; ``points``, ``values`` and ``known_noise`` are not read, and known
+            parts of the variances are 0.
+        points : array_like, shape (n, d)
+            Points of the runs in the unit cube.
+        values : array_like, shape (n,)
+            Their responses.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            The data is no metamodel, or one of other runs.
+        """
+        points, offset, scale = np.asarray(points), float(plain["offset"]), float(plain["scale"])
+        standardised = (np.asarray(values) - offset) / scale
+        ratios = plain.get("noise_ratios")
+        noise = None if ratios is None else np.array(ratios, dtype=float)
+        components = []
+        for one in plain["components"]:
+            trend = Trend(tuple(one["trend_columns"]))
+            numbers = (one[key] for key in ("signal_variance", "noise_variance", "weight"))
+            sets = Hyperparameters(np.array(one["ranges"], dtype=float), *map(float, numbers))
+            given = (points, standardised, np.zeros(len(points)), None, noise)
+            components.append(Component(sets, trend, *given))
+        return cls(
+            components,
+            offset=offset,
+            scale=scale,
+            degrees_of_freedom=int(plain["degrees_of_freedom"]),
+        )
 
     def warnings(self, *, spread: bool = True) -> list[str]:
         """Reasons not to trust the metamodel, in plain language; empty if there are none.

@@ -112,6 +112,7 @@ class Funnel(BulkTest):
         size_power=3,
         factors={"outlet_diameter": Range(0.95, 1.4), "funnel_height": Range(0.6, 2.0)},
         values={"plate_sliding_friction": Range(0.2, 1.0)},
+        wider={"plate_radius": 1.6},
         same={"plate_rolling_friction": AS_PARTICLES},
         indifferent=(
             "raise_speed",

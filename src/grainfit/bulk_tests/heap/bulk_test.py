@@ -123,6 +123,7 @@ class Heap(BulkTest):
         Range(0.7, 1.3, power=-1),
         factors={"strike_off_height": Range(0.6, 1.5), "lift_speed": Range(0.3, 3.0, power=0)},
         values={"plate_sliding_friction": Range(0.2, 1.0)},
+        wider={"plate_radius": 1.6},
         same={"plate_rolling_friction": AS_PARTICLES},
         indifferent=(
             "particle_count",

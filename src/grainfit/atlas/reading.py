@@ -1,0 +1,161 @@
+"""A test of a user in the inputs of the atlas, and its responses back in SI units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.atlas import messages
+from grainfit.atlas.inputs import MATERIAL, SIZE, STIFFNESS, apparatus, ranges_of, varied_of
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.natural_units import Scale
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.stiffness import stiffness_number
+from grainfit.bulk_tests.varied_options import InAtlas
+from grainfit.contact_models.registry import contact_law
+from grainfit.errors import InputError
+from grainfit.solvers.base import Solver
+from grainfit.units import powers
+
+Array = NDArray[np.float64]
+#: Relative difference of an option from that of the rows which is none.
+_SAME = 0.05
+#: Walls are rigid when their modulus is so many times that of the particles.
+_RIGID = 30.0
+_DAMPING = "particle_particle.rolling_damping"
+
+
+class NotInAtlasError(Exception):
+    """The atlas tells nothing about a test; the text says why."""
+
+
+class Reading:
+    """A test of a user in the inputs of the atlas.
+
+    Parameters
+    ----------
+    solver : Solver
+        Of the test.
+    parameters : mapping of str to float
+        Free parameters somewhere in their intervals.
+
+    Raises
+    ------
+    NotInAtlasError
+        The atlas has no such test, particles, contact law or apparatus.
+    """
+
+    def __init__(self, solver: Solver, parameters: Mapping[str, float]) -> None:
+        test = solver.bulk_test
+        kind = None if test is None else bulk_tests().get(test.type)
+        if test is None or kind is None or not isinstance(kind, InAtlas):
+            raise NotInAtlasError(messages.NO_ROWS())
+        self.kind, self.test = kind, test
+        self.ranges = ranges_of(kind)
+        try:
+            self._material = solver.run_parameters(parameters)
+            _require_spheres_of_usual_law(solver, test, self._material)
+            self._apparatus = _apparatus_inputs(kind, test)
+        except InputError as error:
+            raise NotInAtlasError(error.reasons) from None
+
+    def shares(self, values: Mapping[str, Array]) -> Array:
+        """Return points of the unit cube of the atlas, shape (m, inputs); beyond 1 outside of it.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray
+            Free parameters, SI, each of shape (m,).
+        """
+        inputs = self.inputs({**self._material, **values})
+        count = len(next(iter(values.values())))
+        return np.column_stack([
+            np.broadcast_to(span.share(inputs[name]), count) for name, span in self.ranges.items()
+        ])
+
+    def inputs(self, material: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the inputs of a material, or of arrays of materials, by name."""
+        test, varied = self.test, varied_of(self.kind)
+        weight = material[DENSITY] * float(test.gravity) * test.sizes.sauter_diameter
+        options = test.resolved_options()
+        return {
+            **{name: material[name] for name in MATERIAL},
+            STIFFNESS: stiffness_number(test, material),
+            **self._apparatus,
+            **{name: options[name] / weight for name in varied.loads},
+        }
+
+    def unit(self, response: str, values: Mapping[str, Array]) -> Array | float:
+        """Return the natural unit of a response in its SI unit, one or of shape (m,)."""
+        unit = self.kind.responses[response].unit
+        density = {**self._material, **values}[DENSITY]
+        scale = Scale(self.test.sizes.sauter_diameter, 1.0, float(self.test.gravity))
+        return scale.of(unit) * density ** powers(unit)[0]
+
+    def outside(self, values: Mapping[str, Array], share: Array) -> str:
+        """Return the first input that lies outside of the rows at a point, with its range.
+
+        Empty where none does: an apparatus or a stiffness that is larger follows the trend.
+        """
+        inputs = self.inputs({**self._material, **values})
+        for (name, span), at in zip(self.ranges.items(), share, strict=True):
+            if not -_SAME <= at <= span.limit + _SAME:
+                value = float(np.asarray(inputs[name]).flat[0])
+                return messages.OUTSIDE(name=name, value=value, low=span.low, high=span.high)
+        return ""
+
+
+def _require_spheres_of_usual_law(
+    solver: Solver, test: BulkTest, material: Mapping[str, float]
+) -> None:
+    if test.sizes.shape is not None:
+        raise NotInAtlasError(messages.CLUMPS(shape=test.sizes.shape))
+    models = tuple(getattr(solver, "contact_models", ()))
+    if models:
+        raise NotInAtlasError(messages.LAW(models=", ".join(models)))
+    law = contact_law(material, models)
+    if law.cohesion is not None:
+        raise NotInAtlasError(messages.COHESION(model=law.cohesion.name))
+    if getattr(solver, "walls", {}):
+        raise NotInAtlasError(messages.WALLS())
+    if material.get(_DAMPING, 0.0) > 0:
+        raise NotInAtlasError(messages.DAMPING(name=_DAMPING, value=material[_DAMPING]))
+    if material["wall.youngs_modulus"] < _RIGID * material[MODULUS]:
+        raise NotInAtlasError(messages.SOFT_WALL())
+
+
+def _apparatus_inputs(kind: type[BulkTest], test: BulkTest) -> dict[str, float]:
+    """Return the inputs of an apparatus; those of stresses stay 1 and are those of a material."""
+    varied = varied_of(kind)
+    scale = Scale(test.sizes.sauter_diameter, 1.0, float(test.gravity))
+    given = test.resolved_options()
+    loads = {name: given[name] / scale.of("Pa") for name in varied.loads}
+    usual = {name: 1.0 for name in varied.factors} | {n: given[n] for n in varied.values} | loads
+    reference = apparatus(kind, {**usual, SIZE: 1.0}, scale).resolved_options()
+    size = given[varied.size_option] / reference[varied.size_option]
+    usual[SIZE] = float(size ** (1 / varied.size_power))
+    at_size = apparatus(kind, usual, scale).resolved_options()
+    for name in varied.factors:
+        usual[name] = given[name] / at_size[name]
+    alike = apparatus(kind, usual, scale).resolved_options()
+    for name, value in given.items():
+        if name not in varied.indifferent and not _is_same(value, alike[name]):
+            raise NotInAtlasError(
+                messages.OTHER_OPTION(name=name, value=_shown(value), usual=_shown(alike[name]))
+            )
+    return {name: value for name, value in usual.items() if name not in varied.loads}
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    if isinstance(one, (int, float)) and isinstance(other, (int, float)):
+        return math.isclose(one, other, rel_tol=_SAME)
+    return bool(one == other)
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,160 @@
+"""Files of the atlas: rows and metamodels of every test, as they ship or as a user has grown them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+from grainfit.atlas.inputs import ranges_of
+from grainfit.atlas.row import Row, rows_in
+from grainfit.atlas.surrogate import FEWEST_ROWS, ResponseModel, points_of
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.varied_options import InAtlas
+from grainfit.files import write_atomically
+from grainfit.scenes.scene import SCENES_REVISION
+
+#: The rows that ship with the package.
+SHIPPED = Path(__file__).parent / "rows"
+CONTENTS = "contents.json"
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """What the atlas tells about one test.
+
+    Parameters
+    ----------
+    rows : tuple of Row
+        Its runs.
+    models : mapping of str to ResponseModel
+        By response.
+    """
+
+    rows: tuple[Row, ...]
+    models: Mapping[str, ResponseModel]
+
+
+class Atlas:
+    """Rows and metamodels of a folder, each read when it is first asked for.
+
+    Parameters
+    ----------
+    folder : Path
+        Has ``NAME.jsonl`` and ``NAME.models.json`` for every test, and ``contents.json`` with their
+        hashes and the revision of the physics.
+    """
+
+    def __init__(self, folder: Path = SHIPPED) -> None:
+        self.folder = folder
+        self._read: dict[str, Surrogate | None] = {}
+
+    @cached_property
+    def _contents(self) -> Mapping[str, Any]:
+        try:
+            found = json.loads((self.folder / CONTENTS).read_text(encoding="utf-8"))
+            return found if isinstance(found.get("tests"), dict) else {}
+        except (OSError, ValueError, AttributeError):
+            return {}
+
+    @property
+    def tests(self) -> tuple[str, ...]:
+        """Names of the tests of which it has rows."""
+        return tuple(self._contents.get("tests", ()))
+
+    def of_test(self, name: str) -> Surrogate | None:
+        """Return what it tells about a test; None without rows of today's physics, or if damaged."""
+        if name not in self._read:
+            try:
+                self._read[name] = self._open(name)
+            except (OSError, KeyError, TypeError, ValueError):
+                self._read[name] = None
+        return self._read[name]
+
+    def faults(self) -> Iterator[str]:
+        """Yield why tests of which it has rows tell nothing."""
+        for name in self.tests:
+            if self.of_test(name) is None:
+                yield name
+
+    def _open(self, name: str) -> Surrogate | None:
+        kind, known = bulk_tests().get(name), self._contents.get("tests", {}).get(name)
+        if kind is None or known is None or known["revision"] != _revision(kind):
+            return None
+        paths = _rows(self.folder, name), _models(self.folder, name)
+        if [known["rows"], known["models"]] != [_hash(path) for path in paths]:
+            return None
+        rows = rows_in(paths[0])
+        points = points_of(rows, ranges_of(kind))
+        plain = json.loads(paths[1].read_text(encoding="utf-8"))
+        models = {n: ResponseModel.from_plain(one, n, points, rows) for n, one in plain.items()}
+        return Surrogate(tuple(rows), models)
+
+
+@cache
+def shipped_atlas() -> Atlas:
+    """Return the atlas that ships with the package."""
+    return Atlas()
+
+
+def fitted(kind: type[BulkTest], rows: list[Row]) -> dict[str, ResponseModel]:
+    """Return the metamodels of all responses that enough rows have."""
+    points = points_of(rows, ranges_of(kind))
+    counts = {name: sum(name in row.responses for row in rows) for name in kind.responses}
+    return {
+        name: ResponseModel.fit(name, points, rows)
+        for name, count in counts.items()
+        if count >= FEWEST_ROWS
+    }
+
+
+def publish(source: Path, folder: Path) -> Iterator[str]:
+    """Fit the metamodels to the rows of a folder and write both into another, and yield the tests.
+
+    Parameters
+    ----------
+    source : Path
+        Has a file ``NAME.jsonl`` of rows for every test.
+    folder : Path
+        Where the atlas is written.
+    """
+    contents = {}
+    for name, kind in bulk_tests().items():
+        rows = rows_in(_rows(source, name))
+        if not isinstance(kind, InAtlas) or len(rows) < FEWEST_ROWS:
+            continue
+        models = {n: one.to_plain() for n, one in fitted(kind, rows).items()}
+        text = "".join(f"{row.to_text()}\n" for row in rows)
+        write_atomically(_rows(folder, name), text)
+        write_atomically(_models(folder, name), json.dumps(models, separators=(",", ":")))
+        contents[name] = {
+            "revision": _revision(kind),
+            "rows": _hash(_rows(folder, name)),
+            "models": _hash(_models(folder, name)),
+            "count": len(rows),
+        }
+        yield f"{name}: {len(rows)} rows, {len(models)} responses"
+    found = {"licence": "CC0-1.0", "tests": contents}
+    write_atomically(folder / CONTENTS, json.dumps(found, indent=1) + "\n")
+
+
+def _revision(kind: type[BulkTest]) -> str:
+    """Return the revision of the physics of a test: that of scenes and decks, and its own."""
+    return f"{SCENES_REVISION}.{kind.revision}"
+
+
+def _rows(folder: Path, name: str) -> Path:
+    return folder / f"{name}.jsonl"
+
+
+def _models(folder: Path, name: str) -> Path:
+    return folder / f"{name}.models.json"
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
