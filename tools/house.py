@@ -46,7 +46,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("scenes",),
     ("bulk_tests", "metamodels"),
     ("solvers", "strategies", "tests"),
-    ("campaign",),
+    ("campaign", "atlas"),
     ("which_test",),
     ("analysis",),
     ("calibration",),

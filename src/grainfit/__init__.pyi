@@ -56,6 +56,7 @@ from grainfit.which_test.next_test import Advice as Advice
 from grainfit.work_folder.analyse_runs import RunsAnalysis as RunsAnalysis
 from grainfit.work_folder.analyse_runs import analyse_runs as analyse_runs
 from grainfit.work_folder.design import design as design
+from grainfit.work_folder.estimate import estimate as estimate
 from grainfit.work_folder.repeat_runs import repeat_runs as repeat_runs
 from grainfit.work_folder.size_study import size_study as size_study
 from grainfit.work_folder.stiffness_study import stiffness_study as stiffness_study

@@ -108,7 +108,7 @@ def simulated(kind: type[BulkTest], inputs: Mapping[str, float]) -> Simulated:
 def apparatus(kind: type[BulkTest], inputs: Mapping[str, float], scale: Scale) -> BulkTest:
     """Return a test in the apparatus of a row, at any scale."""
     varied = varied_of(kind)
-    usual = kind(diameter=scale.length, gravity=scale.gravity, **varied.same)  # type: ignore[call-arg]
+    usual = kind(diameter=scale.length, gravity=scale.gravity, **varied.same)
     options: dict[str, Any] = {**varied.same, **_at_size(usual, varied, inputs[SIZE])}
     values = usual.resolved_options()
     factors = {**varied.wider, **{name: inputs[name] for name in varied.factors}}
@@ -116,7 +116,7 @@ def apparatus(kind: type[BulkTest], inputs: Mapping[str, float], scale: Scale) -
         options[name] = factor * options.get(name, values[name])
     options |= {name: inputs[name] for name in varied.values}
     options |= {name: inputs[name] * scale.of("Pa") for name in varied.loads}
-    return kind(diameter=scale.length, gravity=scale.gravity, **options)  # type: ignore[call-arg]
+    return kind(diameter=scale.length, gravity=scale.gravity, **options)
 
 
 def _at_size(usual: BulkTest, varied: VariedOptions, size: float) -> dict[str, Any]:

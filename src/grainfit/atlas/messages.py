@@ -11,3 +11,21 @@ DAMPING = Message("{name} is {value:.3g}, and 0 in the atlas")
 SOFT_WALL = Message("walls are hardly stiffer than the particles, and rigid in the atlas")
 OTHER_OPTION = Message("{name} is {value}, and {usual} in the atlas for an apparatus of this size")
 OUTSIDE = Message("{name} is {value:.3g}, and in the atlas {low:.3g} to {high:.3g}")
+CURVE = Message("the atlas has numbers alone, and this is a curve")
+NO_RESPONSE = Message("too few rows of the atlas have this response")
+NOTHING_TOLD = Message(
+    "the atlas tells nothing about any target ({reasons}).",
+    "Calibrate with 'grainfit run', which simulates your own model.",
+)
+NOT_SIMULATED = Message(
+    "Estimate by the atlas: not simulated. It is no calibration: 'grainfit run' verifies it."
+)
+ERRORS = Message("± standard error of the atlas; of measured values, the tolerance")
+OUT_OF_REACH = Message("{response}: no parameters within the intervals give the measured value.")
+OPEN = Message("The targets leave open: {names}.")
+MAY_FAIL = Message(
+    "A run there has all responses with a chance of {chance:.0f} % only: the others make no heap "
+    "that can be measured."
+)
+UNTOLD = Message("{response} is left out: {why}.")
+TO_VERIFY = Message("A calibration verifies it with about {runs} runs of each test{time}.")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from grainfit.atlas import messages
 from grainfit.atlas.inputs import MATERIAL, SIZE, STIFFNESS, apparatus, ranges_of, varied_of
+from grainfit.atlas.surrogate import size_power_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale
 from grainfit.bulk_tests.registry import bulk_tests
@@ -52,15 +53,15 @@ class Reading:
 
     def __init__(self, solver: Solver, parameters: Mapping[str, float]) -> None:
         test = solver.bulk_test
-        kind = None if test is None else bulk_tests().get(test.type)
-        if test is None or kind is None or not isinstance(kind, InAtlas):
+        if test is None:
             raise NotInAtlasError(messages.NO_ROWS())
-        self.kind, self.test = kind, test
-        self.ranges = ranges_of(kind)
+        self.test: BulkTest = test
+        self.kind = _kind_of(test)
+        self.ranges = ranges_of(self.kind)
         try:
             self._material = solver.run_parameters(parameters)
             _require_spheres_of_usual_law(solver, test, self._material)
-            self._apparatus = _apparatus_inputs(kind, test)
+            self._apparatus = _apparatus_inputs(self.kind, test)
         except InputError as error:
             raise NotInAtlasError(error.reasons) from None
 
@@ -74,9 +75,9 @@ class Reading:
         """
         inputs = self.inputs({**self._material, **values})
         count = len(next(iter(values.values())))
-        return np.column_stack([
-            np.broadcast_to(span.share(inputs[name]), count) for name, span in self.ranges.items()
-        ])
+        return np.column_stack(
+            [np.broadcast_to(span.share(inputs[name]), count) for name, span in self.ranges.items()]
+        )
 
     def inputs(self, material: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs of a material, or of arrays of materials, by name."""
@@ -90,12 +91,13 @@ class Reading:
             **{name: options[name] / weight for name in varied.loads},
         }
 
-    def unit(self, response: str, values: Mapping[str, Array]) -> Array | float:
-        """Return the natural unit of a response in its SI unit, one or of shape (m,)."""
+    def unit(self, response: str, values: Mapping[str, Array]) -> Array:
+        """Return the unit of a response of the metamodels in its SI unit, shape (m,) or ()."""
         unit = self.kind.responses[response].unit
-        density = {**self._material, **values}[DENSITY]
+        density: Any = values.get(DENSITY, np.asarray(self._material[DENSITY]))
         scale = Scale(self.test.sizes.sauter_diameter, 1.0, float(self.test.gravity))
-        return scale.of(unit) * density ** powers(unit)[0]
+        grown = self._apparatus[SIZE] ** size_power_of(self.kind, response)
+        return np.asarray(grown * scale.of(unit) * density ** powers(unit)[0])
 
     def outside(self, values: Mapping[str, Array], share: Array) -> str:
         """Return the first input that lies outside of the rows at a point, with its range.
@@ -108,6 +110,13 @@ class Reading:
                 value = float(np.asarray(inputs[name]).flat[0])
                 return messages.OUTSIDE(name=name, value=value, low=span.low, high=span.high)
         return ""
+
+
+def _kind_of(test: BulkTest) -> type[BulkTest]:
+    kind = bulk_tests().get(test.type)
+    if kind is None or not isinstance(kind, InAtlas):
+        raise NotInAtlasError(messages.NO_ROWS())
+    return kind
 
 
 def _require_spheres_of_usual_law(
@@ -135,7 +144,7 @@ def _apparatus_inputs(kind: type[BulkTest], test: BulkTest) -> dict[str, float]:
     scale = Scale(test.sizes.sauter_diameter, 1.0, float(test.gravity))
     given = test.resolved_options()
     loads = {name: given[name] / scale.of("Pa") for name in varied.loads}
-    usual = {name: 1.0 for name in varied.factors} | {n: given[n] for n in varied.values} | loads
+    usual = dict.fromkeys(varied.factors, 1.0) | {n: given[n] for n in varied.values} | loads
     reference = apparatus(kind, {**usual, SIZE: 1.0}, scale).resolved_options()
     size = given[varied.size_option] / reference[varied.size_option]
     usual[SIZE] = float(size ** (1 / varied.size_power))

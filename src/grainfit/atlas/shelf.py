@@ -1,18 +1,16 @@
-"""Files of the atlas: rows and metamodels of every test, as they ship or as a user has grown them."""
+"""Files of the atlas: rows and metamodels of every test."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from grainfit.atlas.inputs import ranges_of
-from grainfit.atlas.row import Row, rows_in
-from grainfit.atlas.surrogate import FEWEST_ROWS, ResponseModel, points_of
+from grainfit.atlas.row import rows_in
+from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.varied_options import InAtlas
@@ -22,22 +20,6 @@ from grainfit.scenes.scene import SCENES_REVISION
 #: The rows that ship with the package.
 SHIPPED = Path(__file__).parent / "rows"
 CONTENTS = "contents.json"
-
-
-@dataclass(frozen=True)
-class Surrogate:
-    """What the atlas tells about one test.
-
-    Parameters
-    ----------
-    rows : tuple of Row
-        Its runs.
-    models : mapping of str to ResponseModel
-        By response.
-    """
-
-    rows: tuple[Row, ...]
-    models: Mapping[str, ResponseModel]
 
 
 class Atlas:
@@ -68,7 +50,7 @@ class Atlas:
         return tuple(self._contents.get("tests", ()))
 
     def of_test(self, name: str) -> Surrogate | None:
-        """Return what it tells about a test; None without rows of today's physics, or if damaged."""
+        """Return what it tells about a test; None if damaged, or of another physics."""
         if name not in self._read:
             try:
                 self._read[name] = self._open(name)
@@ -89,28 +71,14 @@ class Atlas:
         paths = _rows(self.folder, name), _models(self.folder, name)
         if [known["rows"], known["models"]] != [_hash(path) for path in paths]:
             return None
-        rows = rows_in(paths[0])
-        points = points_of(rows, ranges_of(kind))
         plain = json.loads(paths[1].read_text(encoding="utf-8"))
-        models = {n: ResponseModel.from_plain(one, n, points, rows) for n, one in plain.items()}
-        return Surrogate(tuple(rows), models)
+        return Surrogate(kind, rows_in(paths[0]), plain)
 
 
 @cache
 def shipped_atlas() -> Atlas:
     """Return the atlas that ships with the package."""
     return Atlas()
-
-
-def fitted(kind: type[BulkTest], rows: list[Row]) -> dict[str, ResponseModel]:
-    """Return the metamodels of all responses that enough rows have."""
-    points = points_of(rows, ranges_of(kind))
-    counts = {name: sum(name in row.responses for row in rows) for name in kind.responses}
-    return {
-        name: ResponseModel.fit(name, points, rows)
-        for name, count in counts.items()
-        if count >= FEWEST_ROWS
-    }
 
 
 def publish(source: Path, folder: Path) -> Iterator[str]:
@@ -123,22 +91,24 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
     folder : Path
         Where the atlas is written.
     """
-    contents = {}
+    contents: dict[str, Any] = {}
     for name, kind in bulk_tests().items():
         rows = rows_in(_rows(source, name))
         if not isinstance(kind, InAtlas) or len(rows) < FEWEST_ROWS:
             continue
-        models = {n: one.to_plain() for n, one in fitted(kind, rows).items()}
+        surrogate = Surrogate(kind, rows)
         text = "".join(f"{row.to_text()}\n" for row in rows)
         write_atomically(_rows(folder, name), text)
-        write_atomically(_models(folder, name), json.dumps(models, separators=(",", ":")))
+        write_atomically(
+            _models(folder, name), json.dumps(surrogate.to_plain(), separators=(",", ":"))
+        )
         contents[name] = {
             "revision": _revision(kind),
             "rows": _hash(_rows(folder, name)),
             "models": _hash(_models(folder, name)),
             "count": len(rows),
         }
-        yield f"{name}: {len(rows)} rows, {len(models)} responses"
+        yield f"{name}: {len(rows)} rows, {len(surrogate.models)} responses"
     found = {"licence": "CC0-1.0", "tests": contents}
     write_atomically(folder / CONTENTS, json.dumps(found, indent=1) + "\n")
 

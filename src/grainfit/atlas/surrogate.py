@@ -10,15 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.varied_options import Range
 from grainfit.metamodels.kriging import Kriging
 
 Array = NDArray[np.float64]
 #: Fewest rows with a response from which it is predicted.
 FEWEST_ROWS = 24
-#: A response whose values span this factor is predicted as its logarithm.
-_WIDE = 3.0
+#: A response whose values span this factor is predicted as its logarithm, unless it is an angle.
+_WIDE = 5.0
+_ANGLE = "deg"
 #: Sets of hyperparameters that are kept: more change predictions by less than their errors.
 _SETS = 3
 #: Least and largest chance that a run has a response.
@@ -36,9 +39,9 @@ class ResponseModel:
     is_logarithm : bool
         Whether it is the logarithm.
     chance : Kriging
-        Of the chance that a run has the response.
+        Of the chance that a run has the response, the same for all that the same rows have.
     inflation : float
-        Factor of variances that makes the errors of rows left out as large as predicted, at least 1.
+        Factor of variances, 1 or more: errors of rows left out are as large as predicted then.
     """
 
     kriging: Kriging
@@ -47,42 +50,43 @@ class ResponseModel:
     inflation: float
 
     @classmethod
-    def fit(cls, name: str, points: Array, rows: Sequence[Row]) -> ResponseModel:
-        """Fit the metamodels of a response to rows at points of the unit cube."""
-        has = np.array([name in row.responses for row in rows])
-        found = [row.responses[name] for row in rows if name in row.responses]
-        values, errors = (np.array(column) for column in zip(*found, strict=True))
-        is_logarithm = bool(values.min() > 0 and values.max() > _WIDE * values.min())
+    def fit(
+        cls, kind: type[BulkTest], name: str, points: Array, rows: Sequence[Row], chance: Kriging
+    ) -> ResponseModel:
+        """Fit the metamodel of a response to rows at points of the unit cube."""
+        has = _has(name, rows)
+        values, errors = _values(kind, name, rows)
+        is_wide = bool(values.min() > 0 and values.max() > _WIDE * values.min())
+        is_logarithm = is_wide and kind.responses[name].unit != _ANGLE
         if is_logarithm:
             values, errors = np.log(values), errors / values
         stated = errors if (errors > 0).all() else None
         kriging = Kriging.fit(points[has], values, standard_errors=stated).reduced(_SETS)
-        chance = Kriging.fit(points, has.astype(float), linear_trend=False).reduced(_SETS)
         squares = kriging.standardised_residuals() ** 2
         return cls(kriging, is_logarithm, chance, max(1.0, float(squares.mean())))
 
     @classmethod
     def from_plain(
-        cls, plain: Mapping[str, Any], name: str, points: Array, rows: Sequence[Row]
+        cls,
+        plain: Mapping[str, Any],
+        kind: type[BulkTest],
+        name: str,
+        points: Array,
+        rows: Sequence[Row],
+        chance: Kriging,
     ) -> ResponseModel:
-        """Return the metamodels of `to_plain`, without a fit.
+        """Return the metamodel of `to_plain`, without a fit.
 
         Raises
         ------
         KeyError, TypeError, ValueError
             The data belongs to other rows.
         """
-        has = np.array([name in row.responses for row in rows])
-        values = np.array([row.responses[name][0] for row in rows if name in row.responses])
+        values, _ = _values(kind, name, rows)
         is_logarithm = bool(plain["is_logarithm"])
-        return cls(
-            Kriging.from_plain(
-                plain["kriging"], points[has], np.log(values) if is_logarithm else values
-            ),
-            is_logarithm,
-            Kriging.from_plain(plain["chance"], points, has.astype(float)),
-            float(plain["inflation"]),
-        )
+        values = np.log(values) if is_logarithm else values
+        kriging = Kriging.from_plain(plain["kriging"], points[_has(name, rows)], values)
+        return cls(kriging, is_logarithm, chance, float(plain["inflation"]))
 
     def predict(self, points: Array) -> tuple[Array, Array]:
         """Return means and variances of the expected response, each of shape (m,)."""
@@ -111,22 +115,106 @@ class ResponseModel:
             "is_logarithm": self.is_logarithm,
             "inflation": self.inflation,
             "kriging": _without_runs(self.kriging),
-            "chance": _without_runs(self.chance),
         }
+
+
+class Surrogate:
+    """What the rows of the atlas tell about one test.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the test.
+    rows : sequence of Row
+        Its runs.
+    plain : mapping, optional
+        Metamodels as of `to_plain`; without them, they are fitted.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        The metamodels belong to other rows.
+    """
+
+    def __init__(
+        self, kind: type[BulkTest], rows: Sequence[Row], plain: Mapping[str, Any] | None = None
+    ) -> None:
+        self.rows = tuple(rows)
+        self.models: dict[str, ResponseModel] = {}
+        self._chances: dict[bytes, Kriging] = {}
+        points = points_of(rows, ranges_of(kind))
+        for name in kind.responses:
+            has = _has(name, rows)
+            if has.sum() < FEWEST_ROWS:
+                continue
+            given = kind, name, points, rows
+            if plain is None:
+                model = ResponseModel.fit(*given, self._chance(has, points, None))
+            else:
+                one = plain[name]
+                chance = self._chance(has, points, plain["chances"][one["chance"]])
+                model = ResponseModel.from_plain(one, *given, chance)
+            self.models[name] = model
+
+    def _chance(self, has: NDArray[np.bool_], points: Array, plain: Any) -> Kriging:
+        """Return the metamodel of the chance of a response; those of one run have the same."""
+        key = has.tobytes()
+        if key not in self._chances:
+            shares = has.astype(float)
+            self._chances[key] = (
+                Kriging.fit(points, shares, linear_trend=False).reduced(_SETS)
+                if plain is None
+                else Kriging.from_plain(plain, points, shares)
+            )
+        return self._chances[key]
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return the metamodels as JSON, without the rows."""
+        chances = list(self._chances.values())
+        return {
+            **{
+                name: model.to_plain() | {"chance": chances.index(model.chance)}
+                for name, model in self.models.items()
+            },
+            "chances": [_without_runs(chance) for chance in chances],
+        }
+
+
+def size_power_of(kind: type[BulkTest], response: str) -> float:
+    """Return the power of the size that a response follows by itself, 0 for most."""
+    powers = getattr(kind, "size_powers", {})
+    return float(powers.get(response) or 0.0) if isinstance(powers, Mapping) else 0.0
+
+
+def _has(name: str, rows: Sequence[Row]) -> NDArray[np.bool_]:
+    return np.array([name in row.responses for row in rows])
+
+
+def _values(kind: type[BulkTest], name: str, rows: Sequence[Row]) -> tuple[Array, Array]:
+    """Return values and standard errors of a response, without what the size does by itself."""
+    power = size_power_of(kind, name)
+    found = [
+        np.array(row.responses[name]) / row.inputs[SIZE] ** power
+        for row in rows
+        if name in row.responses
+    ]
+    values, errors = np.array(found).T
+    return values, errors
 
 
 def points_of(rows: Sequence[Row], ranges: Mapping[str, Range]) -> Array:
     """Return the rows as points of the unit cube, shape (rows, inputs)."""
-    return np.array([
-        [float(span.share(row.inputs[name])) for name, span in ranges.items()] for row in rows
-    ])
+    return np.array(
+        [[float(span.share(row.inputs[name])) for name, span in ranges.items()] for row in rows]
+    )
 
 
 def _without_runs(kriging: Kriging) -> dict[str, Any]:
     plain = kriging.to_plain(factors=False)
     for name in ("points", "values", "known_noise"):
         del plain[name]
-    return _short(plain)
+    short: dict[str, Any] = _short(plain)
+    return short
 
 
 def _short(value: Any) -> Any:

@@ -50,9 +50,11 @@ class Range:
 
         1 where there is no such limit: a negative power ends at 0.
         """
-        return float(self._of(self.low) / (self._of(self.low) - self._of(self.high))) if (
-            self.power < 0
-        ) else 1.0
+        return (
+            float(self._of(self.low) / (self._of(self.low) - self._of(self.high)))
+            if (self.power < 0)
+            else 1.0
+        )
 
     def _of(self, value: Any) -> Any:
         return np.log(value) if self.power == 0 else value**self.power

@@ -15,6 +15,7 @@ from grainfit.cli.commands.apparatus import apparatus
 from grainfit.cli.commands.check import check
 from grainfit.cli.commands.compare import compare
 from grainfit.cli.commands.design import design
+from grainfit.cli.commands.estimate import estimate
 from grainfit.cli.commands.export import export
 from grainfit.cli.commands.measure import measure
 from grainfit.cli.commands.new import new
@@ -49,6 +50,7 @@ app = CommandLine(
 for _command in (
     run,
     check,
+    estimate,
     preview,
     new,
     apparatus,

@@ -36,3 +36,7 @@ NO_PAGE = Message("No page follows this run: {reason}.")
 NOTIFICATION_FAILED = Message("The command of --notify failed: {reason}.")
 NOTIFICATION_TOO_LONG = Message("it took longer than {seconds:.0f} s and was ended")
 SIMULATED_AGAIN = Message("Simulating {tests} again: the stored run has too few frames or none.")
+NOTHING_TO_ESTIMATE = Message(
+    "is not given, and --diameter neither.",
+    "Give a calibration file, or: --diameter 3mm --bulk-density 540kg/m^3 --angle 34deg.",
+)

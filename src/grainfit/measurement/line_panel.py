@@ -74,6 +74,7 @@ def line_panel(
     size: tuple[float, float],
     *,
     from_zero: bool = True,
+    across_from_zero: bool = True,
     marks: Sequence[float] = (),
 ) -> Image.Image:
     """Draw lines over common axes.
@@ -86,15 +87,15 @@ def line_panel(
         Quantities of the axes with their units.
     size : tuple of float
         Width and height, pixels, oversampled.
-    from_zero : bool
-        Whether the vertical axis has zero; the horizontal one always has it.
+    from_zero, across_from_zero : bool
+        Whether the vertical and the horizontal axis have zero.
     marks : sequence of float
         Places of thin vertical lines, in the unit of the horizontal axis.
     """
     width, height = (round(side) for side in size)
     panel = Image.new("RGB", (width, height), PAPER)
     draw = ImageDraw.Draw(panel)
-    across = _interval([line.x for line in lines], 0.0, has_zero=True)
+    across = _interval([line.x for line in lines], 0.0, across_from_zero)
     up = _interval([line.y for line in lines], _ROOM, from_zero)
     top = _ROW * (2 if any(line.label for line in lines) else 1)
     vertical = _Range(*up, height - 2 * _ROW - _GAP, top)

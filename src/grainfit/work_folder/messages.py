@@ -133,3 +133,10 @@ NO_MODULUS = Message("has no value, so there is no stiffness to study.", "Give i
 NO_SIZES = Message(
     "has no apparatus whose size can be changed.", "Own models and scenes have their own."
 )
+NOTHING_MEASURED = Message(
+    "is not given, and --bulk-density neither.", "Give what you measured: --angle 34deg."
+)
+NO_DENSITY = Message(
+    "is not given, and --bulk-density neither.",
+    "Give the density of the particles, such as --density 900kg/m^3.",
+)

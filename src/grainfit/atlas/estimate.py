@@ -1,0 +1,244 @@
+"""Parameters that agree with the measurements by the atlas alone, before any simulation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.atlas import messages
+from grainfit.atlas.forecast import Forecast, values_at
+from grainfit.atlas.shelf import Atlas
+from grainfit.errors import InputError
+from grainfit.formatting import duration, number, plain_ends, unit_for_people, with_unit
+from grainfit.metamodels.credible_interval import extended_to_bounds
+from grainfit.metamodels.importance_sampling import importance_sample, weighted_quantiles
+from grainfit.metamodels.likelihood import Likelihood, log_prior
+from grainfit.one_line import one_line
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.solvers.base import Solver
+from grainfit.tables import Summary, TextTable
+from grainfit.verdict.options import VERDICT
+
+Array = NDArray[np.float64]
+_SHARES = (0.025, 0.5, 0.975)
+#: An interval that keeps this share of the given one leaves a parameter open.
+_OPEN = 0.5
+#: Standard errors within which a target can be met.
+_REACH = 2.5
+
+
+@dataclass(frozen=True)
+class EstimatedParameter:
+    """A free parameter by the atlas.
+
+    Parameters
+    ----------
+    parameter : Parameter
+        With the interval that was given.
+    low, median, high : float
+        95 % interval and median, SI.
+    is_open : bool
+        Whether the interval is no narrower than half of the one that was given.
+    """
+
+    parameter: Parameter
+    low: float
+    median: float
+    high: float
+    is_open: bool
+
+
+@dataclass(frozen=True)
+class EstimatedResponse:
+    """A response at the estimate.
+
+    Parameters
+    ----------
+    target : Target
+        The measured value.
+    value, standard_error : float
+        Expected response at the most probable parameters, and its standard error by the atlas.
+    scatter : float
+        Standard deviation of a run.
+    """
+
+    target: Target
+    value: float
+    standard_error: float
+    scatter: float
+
+    @property
+    def is_in_reach(self) -> bool:
+        """Whether the measured value is met within the errors of both."""
+        width = math.hypot(self.target.tolerance, _REACH * self.standard_error)
+        return abs(self.value - self.target.value) <= width
+
+
+@dataclass(frozen=True)
+class Estimate(Summary):
+    """Parameters that agree with the measurements by the atlas: nothing was simulated for them.
+
+    Parameters
+    ----------
+    parameters : tuple of EstimatedParameter
+        With their 95 % intervals.
+    responses : tuple of EstimatedResponse
+        Of the targets that the atlas tells about.
+    best : mapping of str to float
+        Most probable parameters, SI.
+    untold : mapping of str to str
+        Why the atlas tells nothing about other targets.
+    chance : float
+        Chance that a run at the most probable parameters has all responses.
+    runs : int
+        Expected number of runs of each test that a calibration verifies it with.
+    seconds : float, optional
+        Their expected computing time on one core, s.
+    points, weights : ndarray
+        Sample of the parameters, shape (n, d), in the unit cube, and its weights.
+    """
+
+    __repr__ = one_line
+
+    parameters: tuple[EstimatedParameter, ...]
+    responses: tuple[EstimatedResponse, ...]
+    best: Mapping[str, float]
+    untold: Mapping[str, str]
+    chance: float
+    runs: int
+    seconds: float | None
+    points: Array
+    weights: Array
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return the tables and the sentences that `print` and a notebook show."""
+        return (
+            messages.NOT_SIMULATED(),
+            TextTable(
+                ("parameter", "most probable", "95 % interval", "given"),
+                tuple(self._parameter_row(one) for one in self.parameters),
+            ),
+            TextTable(
+                ("response", "expected", "measured", "scatter of a run"),
+                tuple(_response_row(one) for one in self.responses),
+                messages.ERRORS(),
+            ),
+            *self._sentences(),
+        )
+
+    def _parameter_row(self, one: EstimatedParameter) -> tuple[str, ...]:
+        unit = unit_for_people(one.parameter.unit)
+        given = plain_ends(one.parameter.minimum, one.parameter.maximum)
+        return (
+            one.parameter.name,
+            with_unit(number(self.best[one.parameter.name], 3), unit),
+            with_unit(plain_ends(one.low, one.high), unit),
+            with_unit(given, unit),
+        )
+
+    def _sentences(self) -> Iterator[str]:
+        for one in self.responses:
+            if not one.is_in_reach:
+                yield messages.OUT_OF_REACH(response=one.target.name)
+        if still := [one.parameter.name for one in self.parameters if one.is_open]:
+            yield messages.OPEN(names=", ".join(still))
+        if self.chance < 0.5:
+            yield messages.MAY_FAIL(chance=100 * self.chance)
+        for name, why in self.untold.items():
+            yield messages.UNTOLD(response=name, why=why)
+        time = "" if self.seconds is None else f", {duration(self.seconds)} on one core"
+        yield messages.TO_VERIFY(runs=self.runs, time=time)
+
+
+def _response_row(one: EstimatedResponse) -> tuple[str, ...]:
+    target, unit = one.target, unit_for_people(one.target.unit)
+    return (
+        target.name,
+        with_unit(f"{number(one.value, 4)} ± {number(one.standard_error, 2)}", unit),
+        with_unit(f"{number(target.value, 4)} ± {number(target.tolerance, 2)}", unit),
+        with_unit(number(one.scatter, 2), unit),
+    )
+
+
+def estimate_of(
+    problem: Problem, solvers: Mapping[str, Solver], atlas: Atlas | None = None, seed: int = 1
+) -> Estimate:
+    """Estimate the parameters that agree with the targets, by the atlas alone.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    solvers : mapping of str to Solver
+        By name of the test.
+    atlas : Atlas, optional
+        By default the one that ships with the package.
+    seed : int
+        Decides the sample.
+
+    Raises
+    ------
+    InputError
+        The atlas tells nothing about any target; the reasons are named.
+    """
+    forecast = Forecast(problem, solvers, atlas)
+    if forecast.problem is None:
+        reasons = "; ".join(f"{name}: {why}" for name, why in forecast.untold.items())
+        raise InputError(messages.NOTHING_TOLD.fault("", reasons=reasons))
+    likelihood = Likelihood(forecast.problem)
+
+    def log_density(points: Array) -> Array:
+        found = likelihood.logarithms(*forecast.predict(points))
+        return np.asarray(found + log_prior(problem, points) + np.log(forecast.chance(points)))
+
+    sample = importance_sample(log_density, problem.dimension, np.random.default_rng(seed))
+    logarithms = log_density(sample.points)
+    weights = sample.weights(logarithms)
+    top = sample.points[[int(np.argmax(logarithms))]]
+    means, variances = forecast.predict(top)
+    scatters = forecast.scatter(top)[0]
+    responses = tuple(
+        EstimatedResponse(target, float(mean), math.sqrt(variance), float(scatter))
+        for target, mean, variance, scatter in zip(
+            forecast.problem.targets, means[0], variances[0], scatters, strict=True
+        )
+    )
+    best = {name: float(found[0]) for name, found in values_at(problem.parameters, top).items()}
+    runs = max(_runs_needed(one) for one in responses)
+    return Estimate(
+        parameters=tuple(_intervals(problem, sample.points, weights)),
+        responses=responses,
+        best=best,
+        untold=forecast.untold,
+        chance=float(forecast.chance(top)[0]),
+        runs=runs,
+        seconds=_seconds(solvers, best, runs),
+        points=sample.points,
+        weights=weights,
+    )
+
+
+def _intervals(problem: Problem, points: Array, weights: Array) -> Iterator[EstimatedParameter]:
+    for axis, parameter in enumerate(problem.parameters):
+        low, middle, high = weighted_quantiles(points[:, axis], weights, _SHARES)
+        low, high = (float(end) for end in extended_to_bounds(low, high))
+        ends = [parameter.from_unit(share) for share in (low, high)]
+        median = parameter.from_unit(float(middle))
+        yield EstimatedParameter(parameter, ends[0], median, ends[1], high - low > _OPEN)
+
+
+def _runs_needed(one: EstimatedResponse) -> int:
+    """Return the runs whose mean has a 95 % interval within the tolerance."""
+    return max(VERDICT.fresh_seeds, math.ceil((2 * one.scatter / one.target.tolerance) ** 2))
+
+
+def _seconds(
+    solvers: Mapping[str, Solver], parameters: Mapping[str, float], runs: int
+) -> float | None:
+    costs = [solver.estimate_cost(parameters) for solver in solvers.values()]
+    known = [cost.wall_seconds for cost in costs if cost is not None]
+    return runs * sum(known) if len(known) == len(costs) else None

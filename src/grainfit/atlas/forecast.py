@@ -1,0 +1,137 @@
+"""What the atlas tells about the targets of a calibration, over the cube of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grainfit.atlas import messages
+from grainfit.atlas.reading import NotInAtlasError, Reading
+from grainfit.atlas.shelf import Atlas, shipped_atlas
+from grainfit.atlas.surrogate import ResponseModel
+from grainfit.problem import Problem
+from grainfit.problem.parameter import Parameter
+from grainfit.problem.target import Target
+from grainfit.solvers.base import Solver
+
+Array = NDArray[np.float64]
+#: Relative standard deviation between LAMMPS, of which the rows are, and another solver.
+_OTHER_SOLVER = 0.01
+_SOLVER = "lammps"
+
+
+class _Told(NamedTuple):
+    target: Target
+    response: str
+    reading: Reading
+    model: ResponseModel
+    solver: Solver
+
+
+class Forecast:
+    """Predictions of the atlas for the targets of a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and targets.
+    solvers : mapping of str to Solver
+        By name of the test.
+    atlas : Atlas, optional
+        By default the one that ships with the package.
+
+    Attributes
+    ----------
+    problem : Problem
+        The same with the targets alone that the atlas tells about; None without any.
+    untold : dict of str to str
+        Why the atlas tells nothing about the others, by target or curve.
+    """
+
+    def __init__(
+        self, problem: Problem, solvers: Mapping[str, Solver], atlas: Atlas | None = None
+    ) -> None:
+        self._atlas = atlas or shipped_atlas()
+        self._parameters = problem.parameters
+        self.untold: dict[str, str] = {curve.name: messages.CURVE() for curve in problem.curves}
+        self._told = [
+            told for scope in problem.scopes for told in self._told_of(problem, scope.name, solvers)
+        ]
+        targets = [one.target for one in self._told]
+        self.problem = problem.with_targets(targets) if targets else None
+
+    def _told_of(self, problem: Problem, name: str, solvers: Mapping[str, Solver]) -> list[_Told]:
+        test = name or next(iter(solvers))
+        targets = [t for t in problem.targets if problem.scope_of(t.name).name == name]
+        try:
+            reading = Reading(solvers[test], problem.middle)
+            surrogate = self._atlas.of_test(reading.test.type)
+            if surrogate is None:
+                raise NotInAtlasError(messages.NO_ROWS())
+            _require_inside(reading, problem)
+        except NotInAtlasError as error:
+            self.untold |= {target.name: str(error) for target in targets}
+            return []
+        found = []
+        for target in targets:
+            response = target.name.removeprefix(f"{test}.")
+            if (model := surrogate.models.get(response)) is None:
+                self.untold[target.name] = messages.NO_RESPONSE()
+            else:
+                found.append(_Told(target, response, reading, model, solvers[test]))
+        return found
+
+    def predict(self, points: ArrayLike) -> tuple[Array, Array]:
+        """Return means and variances of the expected responses, each of shape (m, targets).
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d)
+            Points of the unit cube of the parameters.
+        """
+        means, variances = [], []
+        for one, at, unit in self._at(points):
+            mean, variance = one.model.predict(at)
+            if one.solver.name != _SOLVER:
+                variance = variance + (_OTHER_SOLVER * mean) ** 2
+            means.append(mean * unit)
+            variances.append(variance * unit**2)
+        return np.column_stack(means), np.column_stack(variances)
+
+    def scatter(self, points: ArrayLike) -> Array:
+        """Return standard deviations from run to run, shape (m, targets)."""
+        return np.column_stack([one.model.scatter(at) * unit for one, at, unit in self._at(points)])
+
+    def chance(self, points: ArrayLike) -> Array:
+        """Return the chance that runs have all responses, shape (m,): the least of them."""
+        found = {id(one.model.chance): (one.model, at) for one, at, _ in self._at(points)}
+        return np.asarray(np.min([model.chance_at(at) for model, at in found.values()], axis=0))
+
+    def _at(self, points: ArrayLike) -> Iterator[tuple[_Told, Array, Array]]:
+        """Yield every target that is told with the points in the atlas, and the unit there."""
+        values = values_at(self._parameters, np.atleast_2d(np.asarray(points)))
+        shares = {id(one.reading): one.reading.shares(values) for one in self._told}
+        for one in self._told:
+            yield one, shares[id(one.reading)], one.reading.unit(one.response, values)
+
+
+def values_at(parameters: Sequence[Parameter], points: Array) -> dict[str, Array]:
+    """Return the values of the parameters at points of their unit cube, SI, each of shape (m,)."""
+    found = {}
+    for axis, one in enumerate(parameters):
+        share = points[:, axis]
+        if one.scale == "log":
+            found[one.name] = one.minimum * (one.maximum / one.minimum) ** share
+        else:
+            found[one.name] = one.minimum + share * (one.maximum - one.minimum)
+    return found
+
+
+def _require_inside(reading: Reading, problem: Problem) -> None:
+    """Raise `NotInAtlasError` if no part of the parameters' intervals lies within the rows."""
+    values = values_at(problem.parameters, np.full((1, problem.dimension), 0.5))
+    if why := reading.outside(values, reading.shares(values)[0]):
+        raise NotInAtlasError(why)

@@ -1,0 +1,121 @@
+"""Parameters that agree with the measurements of a calibration file by the atlas, at once."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+from grainfit.atlas.estimate import Estimate, estimate_of
+from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.errors import InputError
+from grainfit.units import to_unit
+from grainfit.work_folder import messages
+
+#: Bulk over particle density of poured beds: between very loose and dense.
+_LOOSE, _DENSE = 0.5, 0.65
+
+
+def estimate(source: str | Path | CalibrationSetup, *, seed: int = 1) -> Estimate:
+    """Estimate the parameters that agree with the measurements, by the atlas alone.
+
+    Nothing is simulated: the atlas has runs of the bulk tests in natural units, which tell about
+    any size and density of the particles. An estimate is no calibration.
+
+    Parameters
+    ----------
+    source : path or CalibrationSetup
+        A calibration file.
+    seed : int
+        Decides the sample of the parameters.
+
+    Returns
+    -------
+    Estimate
+        `print` shows it.
+
+    Raises
+    ------
+    InputError
+        The file is wrong, or the atlas tells nothing about any target: the reasons are named.
+
+    Examples
+    --------
+    >>> import grainfit as gf
+    >>> print(gf.estimate("beads.toml"))  # doctest: +SKIP
+    """
+    setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
+    return estimate_of(setup.problem, setup.solvers, seed=seed)
+
+
+def estimate_of_heap(
+    diameter: str, bulk_density: str = "", angle: str = "", density: str = ""
+) -> Estimate:
+    """Estimate the parameters of spheres from what a lifted cylinder on a rough plate gave.
+
+    Friction and restitution at walls, and the stiffness, are usual ones.
+
+    Parameters
+    ----------
+    diameter : str
+        Of the particles, such as ``"3 mm"``.
+    bulk_density, angle : str
+        Measured values, such as ``"540 kg/m^3"`` and ``"34 deg"``; one may be empty.
+    density : str
+        Of the particles; by default it is estimated from the bulk density.
+
+    Raises
+    ------
+    InputError
+        A quantity is wrong, nothing is measured, or neither density is known.
+    """
+    if not (bulk_density or angle):
+        raise InputError(messages.NOTHING_MEASURED.fault("--angle"))
+    if not (density or bulk_density):
+        raise InputError(messages.NO_DENSITY.fault("--density"))
+    if density:
+        of_particles = json.dumps(density)
+    else:
+        bulk = to_unit(bulk_density, "kg/m^3")
+        low, high = bulk / _DENSE, bulk / _LOOSE
+        of_particles = f'{{ min = "{low:.4g} kg/m^3", max = "{high:.4g} kg/m^3" }}'
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "heap.toml"
+        measured = {"bulk_density": (bulk_density, "1 %"), "angle_of_repose": (angle, "1 deg")}
+        targets = [
+            f'targets.{name} = {{ value = {json.dumps(value)}, uncertainty = "{error}" }}'
+            for name, (value, error) in measured.items()
+            if value
+        ]
+        given = {"diameter": json.dumps(diameter), "density": of_particles}
+        text = _HEAP.format(**given, targets="\n".join(targets))
+        path.write_text(text, encoding="utf-8")
+        return estimate(path)
+
+
+_HEAP = """name = "heap"
+[particle]
+diameter = {diameter}
+youngs_modulus = "10 MPa"
+poissons_ratio = 0.3
+density = {density}
+[wall]
+youngs_modulus = "211 GPa"
+poissons_ratio = 0.3
+density = "7700 kg/m^3"
+[particle_particle]
+sliding_friction = {{ min = 0.05, max = 1.0 }}
+rolling_friction = {{ min = 0.01, max = 1.0 }}
+restitution = 0.5
+rolling_damping = 0.0
+[particle_wall]
+sliding_friction = 0.3
+rolling_friction = 0.05
+restitution = 0.5
+rolling_damping = 0.0
+[[test]]
+type = "heap"
+plate_sliding_friction = 0.5
+plate_rolling_friction = "particle_particle"
+{targets}
+"""
