@@ -71,7 +71,7 @@ class Forecast:
             surrogate = self._atlas.of_test(reading.test.type)
             if surrogate is None:
                 raise NotInAtlasError(messages.NO_ROWS())
-            _require_inside(reading, problem)
+            reading.require_inside(problem.middle)
         except NotInAtlasError as error:
             self.untold |= {target.name: str(error) for target in targets}
             return []
@@ -128,10 +128,3 @@ def values_at(parameters: Sequence[Parameter], points: Array) -> dict[str, Array
         else:
             found[one.name] = one.minimum + share * (one.maximum - one.minimum)
     return found
-
-
-def _require_inside(reading: Reading, problem: Problem) -> None:
-    """Raise `NotInAtlasError` if no part of the parameters' intervals lies within the rows."""
-    values = values_at(problem.parameters, np.full((1, problem.dimension), 0.5))
-    if why := reading.outside(values, reading.shares(values)[0]):
-        raise NotInAtlasError(why)

@@ -90,6 +90,8 @@ def grow(kind: type[BulkTest], path: Path, count: int, processes: int = 1) -> It
     known = {row.number for row in rows_in(path)}
     missing = [number for number in range(count) if number not in known]
     with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
+        # A line that was cut off must not swallow the next one.
+        file.write("\n" if file.tell() else "")
         waiting = [pool.submit(made, kind, number) for number in missing]
         try:
             for done in as_completed(waiting):

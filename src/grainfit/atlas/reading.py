@@ -99,17 +99,19 @@ class Reading:
         grown = self._apparatus[SIZE] ** size_power_of(self.kind, response)
         return np.asarray(grown * scale.of(unit) * density ** powers(unit)[0])
 
-    def outside(self, values: Mapping[str, Array], share: Array) -> str:
-        """Return the first input that lies outside of the rows at a point, with its range.
+    def require_inside(self, parameters: Mapping[str, float]) -> None:
+        """Raise `NotInAtlasError` with the first input that lies outside of the rows.
 
-        Empty where none does: an apparatus or a stiffness that is larger follows the trend.
+        An apparatus that is larger and particles that are stiffer follow the trend of the rows.
         """
+        values = {name: np.array([value]) for name, value in parameters.items()}
         inputs = self.inputs({**self._material, **values})
-        for (name, span), at in zip(self.ranges.items(), share, strict=True):
+        for (name, span), at in zip(self.ranges.items(), self.shares(values)[0], strict=True):
             if not -_SAME <= at <= span.limit + _SAME:
                 value = float(np.asarray(inputs[name]).flat[0])
-                return messages.OUTSIDE(name=name, value=value, low=span.low, high=span.high)
-        return ""
+                raise NotInAtlasError(
+                    messages.OUTSIDE(name=name, value=value, low=span.low, high=span.high)
+                )
 
 
 def _kind_of(test: BulkTest) -> type[BulkTest]:

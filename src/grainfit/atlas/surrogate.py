@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 #: Fewest rows with a response from which it is predicted.
 FEWEST_ROWS = 24
 #: A response whose values span this factor is predicted as its logarithm, unless it is an angle.
-_WIDE = 5.0
+_WIDE = 2.0
 _ANGLE = "deg"
 #: Sets of hyperparameters that are kept: more change predictions by less than their errors.
 _SETS = 3

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import json
+import math
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 from grainfit.atlas.estimate import Estimate, estimate_of
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
-from grainfit.errors import InputError
-from grainfit.units import to_unit
+from grainfit.errors import Fault, InputError
+from grainfit.units import UnitError, to_unit
 from grainfit.work_folder import messages
 
 #: Bulk over particle density of poured beds: between very loose and dense.
 _LOOSE, _DENSE = 0.5, 0.65
+_DENSITY = "kg/m^3"
 
 
 def estimate(source: str | Path | CalibrationSetup, *, seed: int = 1) -> Estimate:
@@ -73,29 +75,53 @@ def estimate_of_heap(
         raise InputError(messages.NOTHING_MEASURED.fault("--angle"))
     if not (density or bulk_density):
         raise InputError(messages.NO_DENSITY.fault("--density"))
-    if density:
-        of_particles = json.dumps(density)
-    else:
-        bulk = to_unit(bulk_density, "kg/m^3")
-        low, high = bulk / _DENSE, bulk / _LOOSE
-        of_particles = f'{{ min = "{low:.4g} kg/m^3", max = "{high:.4g} kg/m^3" }}'
+    bulk = _read("--bulk-density", bulk_density, _DENSITY)
+    of_particles = (
+        f'"{_read("--density", density, _DENSITY)} kg/m^3"'
+        if density
+        else f'{{ min = "{bulk / _DENSE:.4g} kg/m^3", max = "{bulk / _LOOSE:.4g} kg/m^3" }}'
+    )
+    measured = {
+        "bulk_density": (bulk, _DENSITY, "1 %"),
+        "angle_of_repose": (_read("--angle", angle, "deg"), "deg", "1 deg"),
+    }
+    text = _HEAP.format(
+        diameter=_read("--diameter", diameter, "m"),
+        density=of_particles,
+        targets="\n".join(
+            f'targets.{name} = {{ value = "{value} {unit}", uncertainty = "{error}" }}'
+            for name, (value, unit, error) in measured.items()
+            if value
+        ),
+    )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "heap.toml"
-        measured = {"bulk_density": (bulk_density, "1 %"), "angle_of_repose": (angle, "1 deg")}
-        targets = [
-            f'targets.{name} = {{ value = {json.dumps(value)}, uncertainty = "{error}" }}'
-            for name, (value, error) in measured.items()
-            if value
-        ]
-        given = {"diameter": json.dumps(diameter), "density": of_particles}
-        text = _HEAP.format(**given, targets="\n".join(targets))
         path.write_text(text, encoding="utf-8")
         return estimate(path)
 
 
+def _read(key: str, text: str, unit: str) -> float:
+    """Return a quantity above zero, in a unit, of a density also without it; 0 of no text."""
+    if not text:
+        return 0.0
+    try:
+        value = to_unit(f"{text} {unit}" if unit == _DENSITY and _is_number(text) else text, unit)
+    except UnitError as error:
+        raise InputError(Fault(key, error.message, error.remedy)) from None
+    if not value > 0:
+        raise InputError(messages.NOT_ABOVE_ZERO.fault(key, given=text))
+    return value
+
+
+def _is_number(text: str) -> bool:
+    with suppress(ValueError):
+        return math.isfinite(float(text))
+    return False
+
+
 _HEAP = """name = "heap"
 [particle]
-diameter = {diameter}
+diameter = "{diameter} m"
 youngs_modulus = "10 MPa"
 poissons_ratio = 0.3
 density = {density}
@@ -115,6 +141,7 @@ restitution = 0.5
 rolling_damping = 0.0
 [[test]]
 type = "heap"
+solver = "lammps"
 plate_sliding_friction = 0.5
 plate_rolling_friction = "particle_particle"
 {targets}

@@ -1,0 +1,163 @@
+"""Estimates by the atlas: parameters that agree with measurements, before any simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.atlas import messages
+from grainfit.atlas.estimate import estimate_of
+from grainfit.atlas.inputs import simulated
+from grainfit.atlas.row import rows_in
+from grainfit.atlas.shelf import SHIPPED
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.cli.app import app
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
+from grainfit.work_folder.estimate import estimate_of_heap
+
+SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
+FRICTIONS = [gf.Parameter(SLIDING, 0.1, 1.0), gf.Parameter(ROLLING, 0.02, 1.0)]
+MATERIAL = {
+    **ROUGH_SPHERES,
+    "particle_particle.rolling_damping": 0.0,
+    "particle_wall.rolling_damping": 0.0,
+}
+HEAP = gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE)
+
+
+def _without_frictions(material: Mapping[str, float]) -> dict[str, float]:
+    return {name: one for name, one in material.items() if name not in (SLIDING, ROLLING)}
+
+
+def _heaps() -> dict[str, gf.Solver]:
+    return {"heap": gf.solvers.Lammps(HEAP, _without_frictions(MATERIAL))}
+
+
+def _of_angle(angle: float, uncertainty: float = 1.0) -> gf.Problem:
+    return gf.Problem(FRICTIONS, [gf.Target("angle_of_repose", angle, uncertainty=uncertainty)])
+
+
+class OwnModel(gf.Solver):
+    """A model of the user."""
+
+    name = "own"
+    response_names = ("wear",)
+
+    def model(self) -> dict[str, str]:
+        """Return nothing."""
+        return {}
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: gf.Workspace
+    ) -> dict[str, gf.Response]:
+        """Return nothing."""
+        del parameters, seed, workspace
+        return {}
+
+
+def test_the_intervals_of_an_estimate_hold_the_material_of_a_row() -> None:
+    # What a row gave is not known better than its scatter.
+    rows = [r for r in rows_in(SHIPPED / "heap.jsonl") if "angle_of_repose" in r.responses][:8]
+    inside = 0
+    for row in rows:
+        test, material = simulated(bulk_tests()["heap"], row.inputs)
+        density = row.responses["bulk_density"][0] * material["particle.density"]
+        problem = gf.Problem(
+            [gf.Parameter(n, material[n] / 2, material[n] * 2) for n in (SLIDING, ROLLING)],
+            [
+                gf.Target("bulk_density", density, uncertainty="1 %"),
+                gf.Target("angle_of_repose", row.responses["angle_of_repose"][0], uncertainty=1.0),
+            ],
+        )
+        solver = gf.solvers.Lammps(test, _without_frictions(material))
+        for one in estimate_of(problem, {"heap": solver}).parameters:
+            inside += one.low <= material[one.parameter.name] <= one.high
+
+    assert inside >= 2 * len(rows) - 2
+
+
+def test_a_steeper_heap_needs_more_friction() -> None:
+    best = [estimate_of(_of_angle(angle), _heaps()).best for angle in (18.0, 28.0, 35.0)]
+
+    low, middle, high = (one[SLIDING] * one[ROLLING] for one in best)
+    assert low < middle < high
+
+
+def test_an_estimate_says_that_nothing_was_simulated_and_what_stays_open() -> None:
+    text = str(estimate_of(_of_angle(25.0), _heaps()))
+
+    assert messages.NOT_SIMULATED.is_in(text)
+    assert messages.OPEN.is_in(text)
+    assert messages.TO_VERIFY.is_in(text)
+
+
+def test_a_target_out_of_reach_is_named() -> None:
+    assert messages.OUT_OF_REACH.is_in(str(estimate_of(_of_angle(70.0, 0.5), _heaps())))
+
+
+def test_a_test_that_the_atlas_does_not_have_is_left_out_with_the_reason() -> None:
+    targets = [gf.Target("heap.angle_of_repose", 25.0, uncertainty=1.0), gf.Target("own.wear", 1.0)]
+    scopes = [
+        gf.TestScope("heap", ["heap.angle_of_repose"], [SLIDING, ROLLING]),
+        gf.TestScope("own", ["own.wear"], [SLIDING]),
+    ]
+
+    found = estimate_of(
+        gf.Problem(FRICTIONS, targets, tests=scopes), {**_heaps(), "own": OwnModel()}
+    )
+
+    assert list(found.untold) == ["own.wear"]
+
+
+def test_no_estimate_is_made_of_a_model_of_the_user() -> None:
+    with pytest.raises(gf.InputError) as refused:
+        estimate_of(gf.Problem(FRICTIONS, [gf.Target("wear", 1.0)]), {"own": OwnModel()})
+
+    assert messages.NOTHING_TOLD.is_in(str(refused.value))
+
+
+def test_an_estimate_needs_no_file() -> None:
+    found = estimate_of_heap("3 mm", "540 kg/m^3", "30 deg")
+
+    density = found.parameters[0]
+    assert 830 <= density.low < density.high <= 1080
+    assert {one.target.name for one in found.responses} == {"bulk_density", "angle_of_repose"}
+
+
+def test_the_command_answers_with_a_picture(tmp_path: Path) -> None:
+    picture = tmp_path / "it's a picture.png"
+    quantities = ["--diameter", "3mm", "--bulk-density", "540kg/m^3", "--angle", "30deg"]
+
+    found = CliRunner().invoke(app, ["estimate", *quantities, "-o", str(picture)])
+
+    assert found.exit_code == 0, found.output
+    assert "not simulated" in found.output
+    with Image.open(picture) as image:
+        assert image.width > 300
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ([], "--diameter"),
+        (["--diameter", "3mm"], "--angle"),
+        (["--diameter", "3mm", "--angle", "30deg"], "--density"),
+        (["--diameter", "3 apples", "--bulk-density", "540kg/m^3"], "--diameter"),
+        (["--diameter", '3" mm', "--bulk-density", "540kg/m^3"], "--diameter"),
+        (["--diameter", "3mm", "--bulk-density", "-1"], "--bulk-density"),
+        (["--diameter", "0mm", "--bulk-density", "540kg/m^3"], "--diameter"),
+        (["no_such_file.toml"], "no_such_file.toml"),
+    ],
+)
+def test_bad_input_is_named_without_a_traceback(given: list[str], named: str) -> None:
+    found = CliRunner().invoke(app, ["estimate", *given])
+
+    assert found.exit_code != 0
+    assert isinstance(found.exception, gf.InputError)
+    assert named in str(found.exception)
+    assert "heap.toml" not in str(found.exception)

@@ -1,0 +1,129 @@
+"""Materials and apparatus as dimensionless inputs of the atlas, and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import grainfit as gf
+from grainfit.atlas.growing import point
+from grainfit.atlas.inputs import ranges_of, simulated, varied_of
+from grainfit.atlas.reading import NotInAtlasError, Reading
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.varied_options import InAtlas, Range
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
+
+IN_ATLAS = {name: kind for name, kind in bulk_tests().items() if isinstance(kind, InAtlas)}
+MATERIAL = {
+    **ROUGH_SPHERES,
+    "particle_particle.rolling_damping": 0.0,
+    "particle_wall.rolling_damping": 0.0,
+}
+HEAP = gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE)
+
+
+def _material(**changed: float) -> dict[str, float]:
+    return {**MATERIAL, **{name.replace("__", "."): one for name, one in changed.items()}}
+
+
+def _reading(test: BulkTest, **changed: float) -> Reading:
+    return Reading(gf.solvers.Lammps(test, _material(**changed)), {})
+
+
+@pytest.mark.parametrize("name", IN_ATLAS)
+def test_the_point_of_a_row_is_read_back_from_its_test_and_material(name: str) -> None:
+    kind = IN_ATLAS[name]
+    for number in range(6):
+        row = point(kind, number)
+        test, material = simulated(kind, row)
+
+        found = Reading(gf.solvers.Lammps(test, material), {}).inputs(material)
+
+        assert found == pytest.approx(row, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", IN_ATLAS)
+def test_every_input_of_a_row_changes_its_test_or_its_material(name: str) -> None:
+    kind = IN_ATLAS[name]
+    row = point(kind, 3)
+    before = simulated(kind, row)
+    for changed, span in ranges_of(kind).items():
+        other = simulated(kind, {**row, changed: span.at(0.4)})
+        assert (other.test, other.material) != (before.test, before.material), changed
+
+
+def test_a_row_tells_about_particles_of_any_size_and_density() -> None:
+    small = {"particle__youngs_modulus": 3.6e5 * 0.2 * 1000 / 2100, "particle__density": 1000.0}
+
+    one = _reading(HEAP).inputs(_material())
+    other = _reading(gf.tests.Heap(diameter="2 mm", **ROUGH_PLATE), **small)
+
+    assert other.inputs(_material(**small)) == pytest.approx(one)
+
+
+def test_the_apparatus_of_the_laboratory_is_an_input() -> None:
+    usual = _reading(HEAP).inputs(_material())
+    faster = _reading(replace(HEAP, lift_speed=0.1)).inputs(_material())
+
+    assert usual["lift_speed"] == pytest.approx(1.0)
+    assert faster == pytest.approx({**usual, "lift_speed": 2.0})
+
+
+@pytest.mark.parametrize(
+    ("test", "changed", "why"),
+    [
+        (gf.tests.Heap(diameter="10 mm"), {}, "plate_rolling_friction"),
+        (gf.tests.Triaxial(diameter="10 mm"), {"particle__youngs_modulus": 1e8}, "no rows"),
+        (HEAP, {"particle_particle__rolling_damping": 0.3}, "rolling_damping is 0.3"),
+        (
+            HEAP,
+            {"particle_particle__surface_energy": 0.5, "particle_wall__surface_energy": 0.0},
+            "no cohesion",
+        ),
+        (gf.tests.Drum(diameter="10 mm", end_caps=True), {}, "end_caps"),
+    ],
+)
+def test_what_the_atlas_does_not_have_is_named(
+    test: BulkTest, changed: dict[str, float], why: str
+) -> None:
+    with pytest.raises(NotInAtlasError, match=why):
+        _reading(test, **changed)
+
+
+def test_a_material_outside_of_the_rows_is_named_with_their_range() -> None:
+    outside = {"particle_particle.sliding_friction": 0.001}
+
+    with pytest.raises(NotInAtlasError, match=r"sliding_friction is 0.001, .* 0.05 to 1.5"):
+        _reading(HEAP).require_inside(outside)
+
+
+def test_stiffer_particles_than_those_of_the_rows_follow_the_trend() -> None:
+    _reading(HEAP).require_inside({"particle.youngs_modulus": 1e9})
+    with pytest.raises(NotInAtlasError, match="stiffness"):
+        _reading(HEAP).require_inside({"particle.youngs_modulus": 1e4})
+
+
+@pytest.mark.parametrize("name", IN_ATLAS)
+def test_declared_options_are_those_of_the_test(name: str) -> None:
+    kind = IN_ATLAS[name]
+    varied = varied_of(kind)
+    named = {varied.size_option, *varied.factors, *varied.values, *varied.loads, *varied.same}
+
+    options = {key.name for key in kind.option_keys()}
+    assert named | {*varied.indifferent, *varied.left, *varied.wider} <= options
+
+
+@given(
+    st.floats(0.01, 1.0),
+    st.floats(1.5, 100.0),
+    st.sampled_from([-1.0, -2 / 3, 0.0, 0.3, 1.0]),
+    st.floats(0.0, 1.0),
+)
+def test_a_range_gives_back_its_values(low: float, factor: float, power: float, at: float) -> None:
+    span = Range(low, low * factor, power)
+
+    assert float(span.share(span.at(at))) == pytest.approx(at, abs=1e-6)

@@ -1,0 +1,108 @@
+"""Rows and metamodels of the atlas: grown, kept, checked, opened."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grainfit.atlas.growing import grow, made
+from grainfit.atlas.row import Row, rows_in
+from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas, publish
+from grainfit.bulk_tests.registry import bulk_tests
+
+#: What ships in a wheel, bytes.
+LARGEST = 5e6
+
+
+def test_the_shipped_atlas_is_whole_and_small_enough_for_the_wheel() -> None:
+    atlas = Atlas()
+
+    assert {"heap", "packing"} <= set(atlas.tests)
+    assert list(atlas.faults()) == []
+    assert sum(path.stat().st_size for path in SHIPPED.iterdir()) < LARGEST
+
+
+@pytest.mark.slow
+def test_a_shipped_row_comes_out_again() -> None:
+    row = rows_in(SHIPPED / "packing.jsonl")[2]
+
+    again = made(bulk_tests()["packing"], row.number)
+
+    assert again.inputs == row.inputs
+    density, error = row.responses["bulk_density"]
+    assert again.responses["bulk_density"][0] == pytest.approx(density, abs=3 * error)
+
+
+@pytest.mark.slow
+def test_growing_continues_behind_a_line_that_was_cut_off(tmp_path: Path) -> None:
+    path = tmp_path / "packing.jsonl"
+    kept = rows_in(SHIPPED / "packing.jsonl")[0].to_text()
+    path.write_text(f"{kept}\n{kept[:50]}")
+
+    made_now = [row.number for row in grow(bulk_tests()["packing"], path, 2)]
+
+    assert made_now == [1]
+    assert [row.number for row in rows_in(path)] == [0, 1]
+
+
+def test_opened_metamodels_predict_as_the_fitted_ones(tmp_path: Path) -> None:
+    shutil.copy(SHIPPED / "packing.jsonl", tmp_path)
+    (tmp_path / "published").mkdir()
+    list(publish(tmp_path, tmp_path / "published"))
+
+    found, shipped = Atlas(tmp_path / "published").of_test("packing"), Atlas().of_test("packing")
+
+    assert found is not None
+    assert shipped is not None
+    fitted, opened = found.models["bulk_density"], shipped.models["bulk_density"]
+    points = np.random.default_rng(1).random((20, fitted.kriging.d))
+    mean, variance = fitted.predict(points)
+    assert mean == pytest.approx(opened.predict(points)[0], rel=1e-3)
+    assert (variance > 0).all()
+
+
+@pytest.mark.parametrize("damage", ["changed", "gone", "revision", "no contents", "nonsense"])
+def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -> None:
+    folder = tmp_path / "atlas"
+    shutil.copytree(SHIPPED, folder)
+    contents, rows = folder / CONTENTS, folder / "packing.jsonl"
+    if damage == "changed":
+        rows.write_text(rows.read_text().replace("bulk_density", "bulk_densitz", 1))
+    elif damage == "gone":
+        rows.unlink()
+    elif damage == "revision":
+        plain = json.loads(contents.read_text())
+        plain["tests"]["packing"]["revision"] = "0.0"
+        contents.write_text(json.dumps(plain))
+    elif damage == "no contents":
+        contents.unlink()
+    else:
+        contents.write_text("[1, 2")
+
+    atlas = Atlas(folder)
+
+    assert atlas.of_test("packing") is None
+    if damage in ("changed", "gone", "revision"):
+        assert "packing" in list(atlas.faults())
+
+
+def test_the_chance_of_a_heap_falls_with_the_rolling_friction() -> None:
+    surrogate = Atlas().of_test("heap")
+    assert surrogate is not None
+    model = surrogate.models["angle_of_repose"]
+    points = np.full((2, model.kriging.d), 0.5)
+    points[:, 1] = (0.02, 0.8)
+
+    low, high = model.chance_at(points)
+
+    assert low < 0.5 < high
+
+
+def test_a_row_survives_its_text() -> None:
+    row = Row(3, 4, {"size": 1.0}, {"bulk_density": (0.6, 0.01)}, "", 1.5, "LAMMPS 1")
+
+    assert Row.from_plain(json.loads(row.to_text())) == row
