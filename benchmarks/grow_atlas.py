@@ -4,6 +4,9 @@ Finished rows are kept in the folder ``--kept``, one file of JSON lines a test, 
 can be stopped and started again, with more rows as well.
 
     python benchmarks/grow_atlas.py --kept FOLDER [--tests heap ...] [--rows 128] [--processes 1]
+    python benchmarks/grow_atlas.py --kept FOLDER --publish src/grainfit/atlas/rows
+
+The second fits the metamodels to the rows that are kept, and writes what ships.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ import os
 from pathlib import Path
 
 from grainfit.atlas.growing import grow
+from grainfit.atlas.shelf import publish
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.varied_options import InAtlas
 
@@ -26,7 +30,11 @@ def main() -> None:
     parser.add_argument("--tests", nargs="+", default=list(IN_ATLAS), choices=list(IN_ATLAS))
     parser.add_argument("--rows", type=int, default=128)
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--publish", type=Path, help="folder of the atlas that ships")
     given = parser.parse_args()
+    if given.publish:
+        print("\n".join(publish(given.kept, given.publish)))
+        return
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     given.kept.mkdir(parents=True, exist_ok=True)
     for name in given.tests:

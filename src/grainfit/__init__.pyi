@@ -9,6 +9,7 @@ from grainfit.analysis.analysis import Analysis as Analysis
 from grainfit.analysis.analysis import analyse as analyse
 from grainfit.analysis.modulus_study import ModulusStudy as ModulusStudy
 from grainfit.analysis.scatter import RepeatedRuns as RepeatedRuns
+from grainfit.atlas.estimate import Estimate as Estimate
 from grainfit.calibration.calibrate import calibrate as calibrate
 from grainfit.calibration.progress import Progress as Progress
 from grainfit.calibration_file.build import CalibrationSetup as CalibrationSetup
