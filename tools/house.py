@@ -54,7 +54,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("work_folder",),
     ("cards", "plots"),
     ("report",),
-    ("opened", "preview", "watch"),
+    ("opened", "preview", "watch", "atlas_page"),
     ("animation",),
     ("cli",),
 )

@@ -45,9 +45,19 @@ class Atlas:
             return {}
 
     @property
+    def _tests(self) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = self._contents.get("tests", {})
+        return found
+
+    @property
     def tests(self) -> tuple[str, ...]:
         """Names of the tests of which it has rows."""
-        return tuple(self._contents.get("tests", ()))
+        return tuple(self._tests)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Numbers of rows by test."""
+        return {name: int(one.get("count", 0)) for name, one in self._tests.items()}
 
     def of_test(self, name: str) -> Surrogate | None:
         """Return what it tells about a test; None if damaged, or of another physics."""
@@ -65,7 +75,7 @@ class Atlas:
                 yield name
 
     def _open(self, name: str) -> Surrogate | None:
-        kind, known = bulk_tests().get(name), self._contents.get("tests", {}).get(name)
+        kind, known = bulk_tests().get(name), self._tests.get(name)
         if kind is None or known is None or known["revision"] != _revision(kind):
             return None
         paths = _rows(self.folder, name), _models(self.folder, name)

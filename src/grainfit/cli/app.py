@@ -12,6 +12,7 @@ import typer
 from grainfit.cli.commands.advise import advise
 from grainfit.cli.commands.analyse import analyse
 from grainfit.cli.commands.apparatus import apparatus
+from grainfit.cli.commands.atlas import atlas
 from grainfit.cli.commands.check import check
 from grainfit.cli.commands.compare import compare
 from grainfit.cli.commands.design import design
@@ -51,6 +52,7 @@ for _command in (
     run,
     check,
     estimate,
+    atlas,
     preview,
     new,
     apparatus,

@@ -8,6 +8,7 @@ import numpy as np
 from PIL import Image
 
 from grainfit.atlas.estimate import Estimate, EstimatedParameter
+from grainfit.formatting import unit_for_people
 from grainfit.measurement.line_panel import PlottedLine, line_panel
 from grainfit.measurement.sheet import FLANK, OVERSAMPLING, sheet
 
@@ -15,7 +16,7 @@ _WIDTH = 560 * OVERSAMPLING
 _SIZE = (_WIDTH, 260 * OVERSAMPLING)
 _BLUE = "#1f5fa8"
 #: Points of a curve, and the width of the kernel that smooths it, shares of the interval.
-_POINTS, _KERNEL = 160, 0.02
+_POINTS, _KERNEL = 160, 0.03
 
 
 def draw_estimate(estimate: Estimate, path: Path) -> None:
@@ -30,8 +31,11 @@ def draw_estimate(estimate: Estimate, path: Path) -> None:
 
 def _panel(estimate: Estimate, axis: int, one: EstimatedParameter) -> Image.Image:
     shares = np.linspace(0.0, 1.0, _POINTS)
-    off = (shares[:, None] - estimate.points[:, axis]) / _KERNEL
-    density = np.exp(-0.5 * off**2) @ estimate.weights
+    places = estimate.points[:, axis]
+    # Mirrored at the bounds, beyond which there is nothing.
+    images = np.concatenate([places, -places, 2.0 - places])
+    off = (shares[:, None] - images) / _KERNEL
+    density = np.exp(-0.5 * off**2) @ np.tile(estimate.weights, 3)
     density /= density.max()
     values = [one.parameter.from_unit(float(share)) for share in shares]
     best = estimate.best[one.parameter.name]
@@ -40,6 +44,6 @@ def _panel(estimate: Estimate, axis: int, one: EstimatedParameter) -> Image.Imag
         PlottedLine([one.low, one.high], [0.02, 0.02], "", FLANK, 6),
         PlottedLine([best, best], [0.0, 1.0], "", FLANK, 2),
     ]
-    label = f"{one.parameter.name}, {one.parameter.unit or '1'}"
+    label = f"{one.parameter.name}, {unit_for_people(one.parameter.unit) or '1'}"
     up = "relative probability density"
     return line_panel(lines, label, up, _SIZE, across_from_zero=False)

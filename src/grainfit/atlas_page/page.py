@@ -1,0 +1,90 @@
+"""The page of the atlas: one file that works offline, with sliders for all inputs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from grainfit.atlas.inputs import ranges_of, varied_of
+from grainfit.atlas.shelf import Atlas
+from grainfit.atlas.surrogate import ResponseModel, Surrogate, size_power_of
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.formatting import unit_for_people
+from grainfit.metamodels.kriging import Kriging
+from grainfit.report.package_page import package_page
+from grainfit.report.page import element_text, page_part
+from grainfit.report.rendering import script_json
+from grainfit.units import powers
+
+#: Inputs in words, where the name alone does not tell.
+_WORDS = {
+    "stiffness": "Young's modulus over the pressing stress",
+    "size": "size of the apparatus over the usual one",
+    "normal_stress": "normal stress over ρ g d",
+}
+
+
+def atlas_page(atlas: Atlas) -> str:
+    """Return the page of an atlas.
+
+    Parameters
+    ----------
+    atlas : Atlas
+        Its rows and metamodels are in the page.
+    """
+    # Most users have a heap.
+    names = sorted(atlas.tests, key=lambda name: (name != Heap.type, name))
+    known = {name: atlas.of_test(name) for name in names}
+    tests = [_test(bulk_tests()[name], found) for name, found in known.items() if found is not None]
+    return package_page(
+        "grainfit.atlas_page",
+        tests=tests,
+        kriging=element_text(page_part("scripts/kriging.js")),
+        data=script_json({"tests": tests}),
+    )
+
+
+def _test(kind: type[BulkTest], surrogate: Surrogate) -> dict[str, Any]:
+    return {
+        "name": kind.type,
+        "title": kind.title,
+        "rows": len(surrogate.rows),
+        "inputs": [
+            {
+                "name": name,
+                "words": _words(kind, name),
+                "low": span.low,
+                "high": span.high,
+                "power": span.power,
+            }
+            for name, span in ranges_of(kind).items()
+        ],
+        "responses": [_response(kind, name, model) for name, model in surrogate.models.items()],
+    }
+
+
+def _words(kind: type[BulkTest], name: str) -> str:
+    if name in _WORDS:
+        return _WORDS[name]
+    words = name.replace("particle_particle.", "").replace("particle_wall.", "on walls: ")
+    usual = ", usual = 1" if name in varied_of(kind).factors else ""
+    return f"{words.replace('_', ' ')}{usual}"
+
+
+def _response(kind: type[BulkTest], name: str, model: ResponseModel) -> dict[str, Any]:
+    unit = kind.responses[name].unit
+    return {
+        "name": name.replace("_", " "),
+        "unit": unit_for_people(unit),
+        "powers": powers(unit),
+        "size_power": size_power_of(kind, name),
+        "is_logarithm": model.is_logarithm,
+        "inflation": model.inflation,
+        "model": _plain(model.kriging),
+        "chance": _plain(model.chance),
+    }
+
+
+def _plain(kriging: Kriging) -> dict[str, Any]:
+    return kriging.to_plain(factors=False)

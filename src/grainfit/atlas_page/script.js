@@ -1,0 +1,196 @@
+// Curves of every response over one input, with the others held by sliders.
+(() => {
+  "use strict";
+
+  const { prepare, predict } = globalThis.grainfitKriging;
+  const { tests } = JSON.parse(document.getElementById("data-atlas").textContent);
+  if (!tests.length) {
+    document.getElementById("atlas-charts").textContent = "This atlas has no runs.";
+    return;
+  }
+  const POINTS = 49;
+  const STEPS = 200;
+  const NORMAL_QUANTILE = 1.959963984540054;
+  const GRAVITY = 9.81;
+  const WIDTH = 460;
+  const HEIGHT = 190;
+  const LEFT = 62;
+  const BOTTOM = 34;
+  const SVG = "http://www.w3.org/2000/svg";
+  const find = (id) => document.getElementById(id);
+  let test = tests[0];
+  let shares = [];
+
+  const scaled = (input, value) => (input.power === 0 ? Math.log(value) : value ** input.power);
+
+  function valueAt(input, share) {
+    const low = scaled(input, input.low);
+    const at = low + share * (scaled(input, input.high) - low);
+    return input.power === 0 ? Math.exp(at) : at ** (1 / input.power);
+  }
+
+  function shareOf(input, value) {
+    const low = scaled(input, input.low);
+    return (scaled(input, value) - low) / (scaled(input, input.high) - low);
+  }
+
+  // A round number to begin with: the usual apparatus, the middle of all else.
+  function startOf(input) {
+    return input.low < 1 && input.high > 1 && input.power !== 0.3 && !input.name.includes(".")
+      ? shareOf(input, 1)
+      : 0.5;
+  }
+
+  const text = (value) => String(Number(value.toPrecision(3)));
+
+  function svg(name, attributes, words) {
+    const element = document.createElementNS(SVG, name);
+    Object.entries(attributes).forEach(([key, value]) => element.setAttribute(key, value));
+    if (words !== undefined) element.textContent = words;
+    return element;
+  }
+
+  function number(id, factor) {
+    const value = Number(find(id).value) * factor;
+    return value > 0 ? value : factor;
+  }
+
+  // SI unit of a response of the metamodels at a point.
+  function unitOf(response, point) {
+    const d = number("atlas-diameter", 1e-3);
+    const density = number("atlas-density", 1);
+    const [mass, length, time] = response.powers;
+    const natural = (density * d ** 3) ** mass * d ** length * Math.sqrt(d / GRAVITY) ** time;
+    const size = test.inputs.findIndex((input) => input.name === "size");
+    return natural * valueAt(test.inputs[size], point[size]) ** response.size_power;
+  }
+
+  function expected(response, point) {
+    const { mean, variance } = predict(prepare(response.model), point);
+    const half = NORMAL_QUANTILE * Math.sqrt(response.inflation * variance);
+    const unit = unitOf(response, point);
+    const ends = [mean - half, mean, mean + half];
+    const values = ends.map((end) => unit * (response.is_logarithm ? Math.exp(end) : end));
+    return { values, chance: predict(prepare(response.chance), point).mean };
+  }
+
+  function ticks(low, high) {
+    const least = (high - low) / 4 || 1;
+    const power = 10 ** Math.floor(Math.log10(least));
+    const step = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= least);
+    const found = [];
+    for (let k = Math.ceil(low / step); k * step <= high; k++) found.push(k * step);
+    return found;
+  }
+
+  function path(points) {
+    return points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
+  }
+
+  function chart(response, axis) {
+    const curve = Array.from({ length: POINTS }, (_, k) => {
+      const point = [...shares];
+      point[axis] = k / (POINTS - 1);
+      return { share: point[axis], ...expected(response, point) };
+    });
+    const here = expected(response, shares);
+    const lows = curve.map((one) => one.values[0]);
+    const highs = curve.map((one) => one.values[2]);
+    const low = Math.min(...lows);
+    const high = Math.max(...highs);
+    const x = (share) => LEFT + share * (WIDTH - LEFT - 8);
+    const y = (value) => 8 + ((high - value) / (high - low || 1)) * (HEIGHT - BOTTOM - 8);
+    const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img" });
+    const input = test.inputs[axis];
+    const unit = response.unit ? ` ${response.unit}` : "";
+    const value = `${text(here.values[1])}${unit}, 95 % ${text(here.values[0])} to ${text(here.values[2])}`;
+    drawing.append(svg("title", {}, `${response.name} over ${input.words}: here ${value}`));
+    ticks(low, high).forEach((tick) => {
+      drawing.append(
+        svg("line", { class: "grid", x1: LEFT, x2: WIDTH - 8, y1: y(tick), y2: y(tick) }),
+        svg("text", { x: LEFT - 6, y: y(tick) + 4, "text-anchor": "end" }, text(tick))
+      );
+    });
+    [0, 0.25, 0.5, 0.75, 1].forEach((share) => {
+      const anchor = share === 1 ? "end" : share === 0 ? "start" : "middle";
+      const words = text(valueAt(input, share));
+      drawing.append(svg("text", { x: x(share), y: HEIGHT - 18, "text-anchor": anchor }, words));
+    });
+    drawing.append(
+      svg("text", { x: x(0.5), y: HEIGHT - 3, "text-anchor": "middle" }, input.words),
+      svg("path", {
+        class: "band",
+        d: `${path(curve.map((one) => [x(one.share), y(one.values[2])]))}L${path(
+          curve.map((one) => [x(one.share), y(one.values[0])]).reverse()
+        ).slice(1)}Z`,
+      })
+    );
+    // Pieces of the line where runs have the response, and where they hardly do.
+    for (let k = 1; k < curve.length; k++) {
+      const piece = [curve[k - 1], curve[k]].map((one) => [x(one.share), y(one.values[1])]);
+      const look = curve[k].chance < 0.5 ? "line unlikely" : "line";
+      drawing.append(svg("path", { class: look, d: path(piece) }));
+    }
+    drawing.append(svg("circle", { class: "here", r: 5, cx: x(shares[axis]), cy: y(here.values[1]) }));
+    const place = document.createElement("div");
+    place.className = "atlas-chart";
+    const head = document.createElement("h2");
+    head.textContent = `${response.name}: ${value}`;
+    place.append(head, drawing);
+    return place;
+  }
+
+  function show() {
+    const axis = Number(find("atlas-axis").value);
+    find("atlas-charts").replaceChildren(...test.responses.map((one) => chart(one, axis)));
+    test.inputs.forEach((input, j) => {
+      find(`atlas-value-${j}`).textContent = text(valueAt(input, shares[j]));
+    });
+  }
+
+  let waiting = false;
+  function showSoon() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => {
+      waiting = false;
+      show();
+    });
+  }
+
+  function slider(input, j) {
+    const place = document.createElement("div");
+    place.className = "atlas-slider";
+    const label = document.createElement("label");
+    label.htmlFor = `atlas-input-${j}`;
+    label.textContent = input.words;
+    const range = document.createElement("input");
+    Object.assign(range, { type: "range", min: 0, max: STEPS, id: `atlas-input-${j}` });
+    range.value = Math.round(STEPS * shares[j]);
+    range.addEventListener("input", () => {
+      shares[j] = Number(range.value) / STEPS;
+      range.setAttribute("aria-valuetext", text(valueAt(input, shares[j])));
+      showSoon();
+    });
+    const value = document.createElement("output");
+    value.id = `atlas-value-${j}`;
+    value.htmlFor.add(range.id);
+    place.append(label, range, value);
+    return place;
+  }
+
+  function choose() {
+    test = tests[Number(find("atlas-test").value)];
+    shares = test.inputs.map(startOf);
+    find("atlas-axis").replaceChildren(
+      ...test.inputs.map((input, j) => new Option(input.words, String(j), j === 1, j === 1))
+    );
+    find("atlas-sliders").replaceChildren(...test.inputs.map(slider));
+    show();
+  }
+
+  find("atlas-test").addEventListener("change", choose);
+  find("atlas-axis").addEventListener("change", show);
+  ["atlas-diameter", "atlas-density"].forEach((id) => find(id).addEventListener("input", showSoon));
+  choose();
+})();

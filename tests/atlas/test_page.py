@@ -1,0 +1,63 @@
+"""The page of the atlas in a browser: the curves are those of the package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from benchmarks import chromium
+from grainfit.atlas.inputs import SIZE, ranges_of
+from grainfit.atlas.shelf import Atlas
+from grainfit.atlas_page.page import atlas_page
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.cli.app import app
+from tests.needs import CHROMIUM
+
+DENSITY = 900.0
+
+
+def test_the_command_writes_a_page_that_needs_no_network(tmp_path: Path) -> None:
+    path = tmp_path / "a page's name.html"
+
+    found = CliRunner().invoke(app, ["atlas", "--output", str(path)])
+
+    assert found.exit_code == 0, found.output
+    page = path.read_text(encoding="utf-8")
+    assert "heap (lifted cylinder" in page
+    assert "http://" not in page.replace("http://www.w3.org/2000/svg", "")
+
+
+@CHROMIUM
+@pytest.mark.slow
+def test_the_page_shows_what_the_package_predicts(tmp_path: Path) -> None:
+    path, empty = tmp_path / "atlas.html", tmp_path / "empty.html"
+    path.write_text(atlas_page(Atlas()), encoding="utf-8")
+    empty.write_text(atlas_page(Atlas(tmp_path)), encoding="utf-8")
+    faults: list[str] = []
+    with chromium.browser() as browser:
+        page = browser.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(empty.as_uri())
+        assert "no runs" in page.inner_text("#atlas-charts")
+        page.goto(path.as_uri())
+        page.fill("#atlas-diameter", "4")
+        page.fill("#atlas-density", "900")
+        page.wait_for_timeout(500)
+        shown = page.locator("#atlas-charts h2").all_inner_texts()
+        values = page.locator("#atlas-sliders output").all_inner_texts()
+    assert faults == []
+    surrogate = Atlas().of_test("heap")
+    assert surrogate is not None
+    spans = list(ranges_of(bulk_tests()["heap"]).items())
+    # The usual apparatus, and the middle of all else.
+    usual = [n == SIZE or (s.low < 1 < s.high and "." not in n) for n, s in spans]
+    shares = [float(s.share(1.0)) if one else 0.5 for (_, s), one in zip(spans, usual, strict=True)]
+    assert float(values[5]) == pytest.approx(spans[5][1].at(0.5), rel=0.01)
+    angle = surrogate.models["angle_of_repose"].predict(np.array([shares]))[0][0]
+    density = surrogate.models["bulk_density"].predict(np.array([shares]))[0][0]
+    texts = dict(text.split(": ", 1) for text in shown)
+    assert float(texts["angle of repose"].split("\u00b0")[0]) == pytest.approx(angle, rel=0.01)
+    assert float(texts["bulk density"].split()[0]) == pytest.approx(density * DENSITY, rel=0.01)
