@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from statistics import fmean
@@ -49,6 +50,8 @@ class SizePlan:
         Runs of each size, and runs at a time.
     timeouts : mapping of str to float
         Longest wall time of a run by name of the test, s.
+    executor : Executor, optional
+        Executor of the runs, such as the nodes of a cluster; by default this machine.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class SizePlan:
     seeds: int = 3
     workers: int = 1
     timeouts: Mapping[str, float] = field(default_factory=dict)
+    executor: Executor | None = None
 
     def __post_init__(self) -> None:
         faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
@@ -301,7 +305,7 @@ def simulate_sizes(
         solvers,
         proposals,
         folder,
-        CampaignOptions(plan.workers, timeouts, needed=needed),
+        CampaignOptions(plan.workers, timeouts, plan.executor, needed=needed),
         on_start,
         on_progress,
     )

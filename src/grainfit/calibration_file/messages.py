@@ -43,8 +43,9 @@ ALL_SMALL = Message(
     "as they are."
 )
 TWINS_SIMULATED = Message(
-    "Search in smaller apparatus: {tests}; then their sizes at the answer. The result is predicted "
-    "until 'grainfit run FILE --full-size' has made one run of each real test. One of {real}."
+    "Search in smaller apparatus: {tests}; then larger sizes at the answer, which take about "
+    "{series} once to three times. The result is predicted until 'grainfit run FILE --full-size' "
+    "has made one run of each real test. One of {real}."
 )
 FIRST_SEARCH = Message("Search in smaller apparatus: {tests}.")
 NEXT_SEARCH = Message("Search again, with the ratios of the sizes at the answer.")

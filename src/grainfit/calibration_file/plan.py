@@ -30,10 +30,10 @@ from grainfit.calibration_file.run_time import (
     run_time,
 )
 from grainfit.calibration_file.size_lines import size_lines
-from grainfit.calibration_file.twins import first_twins
+from grainfit.calibration_file.twins import first_twins, series_seconds
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import Fault, GrainfitError, InputError
-from grainfit.formatting import in_a_row
+from grainfit.formatting import duration, in_a_row
 from grainfit.problem import CurveTarget, Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 
@@ -221,7 +221,8 @@ def _twin_lines(setup: CalibrationSetup) -> Iterator[str]:
     found = first_twins(setup.solvers, setup.twins, setup.problem)
     tests = in_a_row(f"{one.test} ({one.simulated:,} particles)" for one in found.tests)
     real = in_a_row(map(str, found.tests))
-    yield messages.TWINS_SIMULATED(tests=tests, real=real)
+    seconds = series_seconds(setup.solvers, setup.twins, setup.problem) / setup.workers
+    yield messages.TWINS_SIMULATED(tests=tests, series=duration(seconds), real=real)
 
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:

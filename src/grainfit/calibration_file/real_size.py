@@ -16,7 +16,7 @@ from grainfit.analysis.size_study import SizePlan, SizesOfTest, simulate_sizes
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.twins import SizeRatio, Twins
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.twins import first_twins
+from grainfit.calibration_file.twins import SEEDS, first_twins, sizes_at_answer
 from grainfit.campaign.batch import simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.folder_lock import hold
@@ -32,8 +32,6 @@ from grainfit.solvers.base import Solver
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.reasons import FullSizeFailed, FullSizeMade
 
-#: Sizes at an answer, over that of a twin, and runs of each.
-_SIZES, _SEEDS = (1.0, 1.75, 3.0), 3
 #: Most series of sizes, and most runs at full size.
 _MOST_SERIES, _MOST_FULL = 3, 3
 
@@ -51,7 +49,7 @@ class RealSizeOptions:
     timeouts : mapping of str to float
         Longest wall time of a run by name of the test, s, where one is given.
     executor : Executor, optional
-        Executor of the runs at full size, such as the nodes of a cluster.
+        Executor of the runs, such as the nodes of a cluster; by default this machine.
     full_size : bool
         Make one run of each real test at the answer. Without it, those that are known count.
     on_phase : callable, optional
@@ -158,22 +156,23 @@ class RealSizeCalibration:
 
     def _series(self, name: str, twin: Solver, result: Result) -> SizesOfTest:
         solver = self._solvers[name]
-        share = _particles(twin) / _particles(solver)
-        times = [share * size for size in _SIZES if share * size < 1]
-        if len(times) == 1:
-            times.append(math.sqrt(share))
-        counts = [round(one * _particles(solver)) for one in times]
+        test, small = solver.bulk_test, twin.bulk_test
+        assert test is not None, "twins are of bulk tests"
+        assert small is not None, "twins are bulk tests"
+        times = sizes_at_answer(test, small)
+        counts = [round(one * test.number_of_particles) for one in times]
         sizes = in_a_row(f"{count:,}" for count in counts)
-        self._say(messages.SIZES_OF(test=name, sizes=sizes, seeds=_SEEDS))
+        self._say(messages.SIZES_OF(test=name, sizes=sizes, seeds=SEEDS))
         plan = SizePlan(
             {name: solver},
             self._problem,
             result.parameters,
             times,
             1.0,
-            _SEEDS,
+            SEEDS,
             self._options.workers,
             self._options.timeouts,
+            self._options.executor,
         )
         return simulate_sizes(plan, self._folder).tests[0]
 
@@ -289,12 +288,6 @@ def _with_smallest(series: SizesOfTest, target: str, there: MeanResponse) -> Siz
     first, *others = series.rows
     responses = {**first.responses, target: there}
     return replace(series, rows=(replace(first, responses=responses), *others))
-
-
-def _particles(solver: Solver) -> int:
-    test = solver.bulk_test
-    assert test is not None, "twins are of bulk tests"
-    return test.number_of_particles
 
 
 def _in_words(twins: Twins) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 
 from grainfit.analysis.recorded_size import change_of_size
@@ -17,6 +18,8 @@ from grainfit.solvers.base import Solver
 from grainfit.verdict.reasons import RealTest
 
 _KEY = "strategy.twins"
+#: Sizes at an answer, over that of a twin, and runs of each.
+_SIZES, SEEDS = (1.0, 1.75, 3.0), 3
 #: Standard error of a ratio: of a recorded change its share, at least; where none is recorded.
 _SHARE_OF_CHANGE, _LEAST, _UNKNOWN = 0.5, 0.02, 0.1
 
@@ -86,6 +89,36 @@ def first_twins(
         for name, twin in twins.items()
     )
     return Twins(ratios, tests)
+
+
+def sizes_at_answer(test: BulkTest, twin: BulkTest) -> list[float]:
+    """Return the sizes of a series, by number of particles over that of the test.
+
+    The twin's is the smallest; none is as large as the test itself.
+    """
+    share = twin.number_of_particles / test.number_of_particles
+    sizes = [share * size for size in _SIZES if share * size < 1]
+    return sizes if len(sizes) > 1 else [share, math.sqrt(share)]
+
+
+def series_seconds(
+    solvers: Mapping[str, Solver], twins: Mapping[str, Solver], problem: Problem
+) -> float:
+    """Return the estimated wall time of the sizes at one answer, one run at a time, s.
+
+    Parameters
+    ----------
+    solvers, twins, problem
+        As of `first_twins`.
+    """
+    return sum(
+        SEEDS * solver.estimate_cost_of(resized(test, size), material).wall_seconds
+        for name, twin in twins.items()
+        for solver in [solvers[name]]
+        for test in [_test_of(solver)]
+        for material in [solver.run_parameters(problem.middle)]
+        for size in sizes_at_answer(test, _test_of(twin))
+    )
 
 
 def targets_of(test: str, problem: Problem) -> Iterator[tuple[str, Target]]:
