@@ -18,7 +18,7 @@ from grainfit.report import verdict_messages as messages
 from grainfit.report.rows import deviation
 from grainfit.report.section import ReportContext
 from grainfit.result import ResponseResult, Result
-from grainfit.verdict.reasons import Deterministic
+from grainfit.verdict.reasons import Deterministic, FullSizeMade
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,8 @@ def _final_verdict(context: ReportContext) -> ShownVerdict:
         return _undecided(context, result, sure)
     if context.reading.state == "predicted":
         return ShownVerdict("warn", messages.PREDICTED(), (*_reasons(result), *sure))
-    single = (plain(str(one)) for one in result.reasons if isinstance(one, Deterministic))
+    shown = Deterministic, FullSizeMade
+    single = (plain(str(one)) for one in result.reasons if isinstance(one, shown))
     sure = (*single, *sure)
     if context.reading.state == "calibrated":
         return ShownVerdict("good", messages.CALIBRATED(), sure)

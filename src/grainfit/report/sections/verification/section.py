@@ -15,7 +15,12 @@ from grainfit.problem import Target
 from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import ResponseResult, Result
-from grainfit.verdict.reasons import Contradicted
+from grainfit.verdict.reasons import (
+    Contradicted,
+    FullSizeFailed,
+    FullSizeMade,
+    FullSizePending,
+)
 
 #: Colour of the runs, as in the other figures.
 _SYMBOL, _COLOUR = STAGES["verification"]
@@ -59,7 +64,8 @@ def verification(context: ReportContext) -> Section:
     checks = [check for check in found if check.response.verified_interval is not None]
     curves = result.curves if result is not None and context.answer else {}
     counts = [len(check.values) for check in found] + [c.verified_runs for c in curves.values()]
-    count = max(counts, default=0)
+    at_full_size = _at_full_size(result) if result else []
+    count = 0 if at_full_size else max(counts, default=0)
     html = fill_template(
         "verification/page",
         rows=[_row(context, check) for check in checks],
@@ -69,12 +75,19 @@ def verification(context: ReportContext) -> Section:
         has_answer=bool(context.answer),
         has_ended=context.reading.state not in ("running", "interrupted"),
         others=_all_verifications(context) - count,
+        full_size=at_full_size,
     )
     figures = {
         f"verification-{index}": _figure(context.response_label(check.target.name), check)
         for index, check in enumerate(checks)
     }
     return Section("verification", "Verification", html, figures)
+
+
+def _at_full_size(result: Result) -> list[str]:
+    """Return what runs of the laboratory's apparatus gave, where smaller ones were simulated."""
+    kinds = FullSizePending, FullSizeMade, FullSizeFailed
+    return [plain(str(reason)) for reason in result.reasons if isinstance(reason, kinds)]
 
 
 def _checks(context: ReportContext, result: Result) -> list[_Check]:
