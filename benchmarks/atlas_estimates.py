@@ -55,7 +55,7 @@ def table(folder: Path, tests: Sequence[str]) -> Iterator[str]:
             left_out = [row for row, own in zip(rows, part_of, strict=True) if own == part]
             others = [row for row, own in zip(rows, part_of, strict=True) if own != part]
             with tempfile.TemporaryDirectory() as place:
-                atlas = _atlas_of(kind, others, Path(place))
+                atlas = atlas_of(kind, others, Path(place))
                 for row in left_out:
                     if row.responses.keys() < kind.responses.keys():
                         continue
@@ -80,7 +80,7 @@ def table(folder: Path, tests: Sequence[str]) -> Iterator[str]:
             )
 
 
-def _atlas_of(kind: type[BulkTest], rows: Sequence[Row], folder: Path) -> Atlas:
+def atlas_of(kind: type[BulkTest], rows: Sequence[Row], folder: Path) -> Atlas:
     (folder / "rows").mkdir()
     (folder / "atlas").mkdir()
     text = "".join(f"{row.to_text()}\n" for row in rows)

@@ -242,3 +242,15 @@ def test_what_is_no_name_or_object_is_a_fault(make: Callable[[], object]) -> Non
 def test_reprs_are_short() -> None:
     assert repr(Parameter("friction", 0.1, 0.9)) == "Parameter('friction', 0.1, 0.9)"
     assert repr(problem_with()) == "Problem(parameters=['particle.density'], targets=['angle'])"
+
+
+def test_an_expected_interval_is_a_part_of_that_of_its_parameter() -> None:
+    parameters, targets = [Parameter("E", 1e5, 1e9, "log")], [Target("angle", 30.0)]
+
+    problem = Problem(parameters, targets, expected={"E": (1e6, 1e7)})
+
+    assert problem.expected_part == pytest.approx(np.array([[0.25], [0.5]]))
+    assert Problem(parameters, targets).expected_part == pytest.approx(np.array([[0.0], [1.0]]))
+    for wrong in ({"E": (1e4, 1e7)}, {"E": (1e7, 1e6)}, {"friction": (0.1, 0.2)}):
+        with pytest.raises(InputError, match="expected"):
+            Problem(parameters, targets, expected=wrong)

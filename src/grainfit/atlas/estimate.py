@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 _SHARES = (0.025, 0.5, 0.975)
 #: An interval that keeps this share of the given one leaves a parameter open.
 _OPEN = 0.5
+#: Of intervals in which a search begins: their width over that of the estimate, the least one.
+_WIDER, _NARROWEST, _HALF = 1.5, 0.2, 0.5
 #: Standard errors within which a target can be met.
 _REACH = 2.5
 
@@ -50,6 +52,15 @@ class EstimatedParameter:
     median: float
     high: float
     is_open: bool
+
+    @property
+    def expected_interval(self) -> tuple[float, float]:
+        """The 95 % interval half as wide again, and no narrower than a part of the given one."""
+        low, high = (self.parameter.to_unit(end) for end in (self.low, self.high))
+        half = max(_WIDER * (high - low), _NARROWEST) / 2
+        middle = min(max((low + high) / 2, half), 1 - half) if half < _HALF else _HALF
+        ends = max(middle - half, 0.0), min(middle + half, 1.0)
+        return self.parameter.from_unit(ends[0]), self.parameter.from_unit(ends[1])
 
 
 @dataclass(frozen=True)
@@ -113,6 +124,15 @@ class Estimate(Summary):
     seconds: float | None
     points: Array
     weights: Array
+
+    def expected_intervals(self) -> dict[str, tuple[float, float]]:
+        """Return intervals in which a search begins: those of the estimate, half as wide again.
+
+        Empty where the atlas knows no parameters that give the measured values.
+        """
+        if not all(one.is_in_reach for one in self.responses):
+            return {}
+        return {one.parameter.name: one.expected_interval for one in self.parameters}
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the tables and the sentences that `print` and a notebook show."""

@@ -144,6 +144,7 @@ class CalibrationLoop:
             **self._relatives(),
             **({"ratios": dict(problem.ratios)} if problem.ratios else {}),
             **({"correlations": list(problem.correlations)} if problem.correlations else {}),
+            **({"expected": dict(problem.expected)} if problem.expected else {}),
             **({"curves": [one.to_json() for one in problem.curves]} if problem.curves else {}),
         }
 

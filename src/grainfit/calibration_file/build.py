@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from grainfit.atlas.estimate import estimate_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
@@ -147,6 +148,16 @@ class CalibrationSetup:
         return relatives_of(self.solvers, self.relatives, self.problem)
 
     @property
+    def expected(self) -> dict[str, tuple[float, float]]:
+        """Intervals in which the atlas expects the answer, if the file asks; empty without any."""
+        if not self.strategy.atlas:
+            return {}
+        try:
+            return estimate_of(self.problem, self.solvers).expected_intervals()
+        except InputError:
+            return {}
+
+    @property
     def bulk_tests(self) -> dict[str, BulkTest]:
         """The bulk tests that are simulated, by name of the test."""
         tests = {name: solver.bulk_test for name, solver in self.solvers.items()}
@@ -227,7 +238,7 @@ class CalibrationSetup:
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
             search = partial(
                 calibrate,
-                replace(self.problem, relatives=self.relative_costs),
+                replace(self.problem, relatives=self.relative_costs, expected=self.expected),
                 self.simulated,
                 relatives=self.relatives,
                 workdir=folder,

@@ -138,3 +138,7 @@ EMPTY = Message("are empty.", "Give at least one {kind}.")
 NO_LIST_OF = Message("are {given}.", "Give a list of {kind} objects.")
 NO_RAYLEIGH = Message("is {given}.", "Give a RayleighTimeStep, or None.")
 BAD_RAYLEIGH_WEIGHT = Message("is {given}.", "It must be 0 or above, and at most {most:g}.")
+NOT_WITHIN = Message(
+    "is {low:g} to {high:g}, which is no part of the interval of a free parameter.",
+    "Give a part of its interval.",
+)

@@ -73,6 +73,9 @@ class Problem:
     ratios : mapping of str to float
         Responses of the laboratory's apparatus over those of the smaller one that is simulated,
         by name of the target; 1 for the others. Targets and evaluations are the laboratory's.
+    expected : mapping of str to (float, float)
+        Intervals of parameters in which the answer is expected before any run. The first runs of
+        the sequential strategy are there; the search goes beyond them where its runs say so.
 
     Raises
     ------
@@ -97,6 +100,7 @@ class Problem:
     scatters: Mapping[str, float] = field(default_factory=dict, hash=False)
     relatives: Sequence[Relative] = ()
     ratios: Mapping[str, float] = field(default_factory=dict, hash=False)
+    expected: Mapping[str, tuple[float, float]] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         kinds = {
@@ -127,12 +131,19 @@ class Problem:
             if not 0 < as_number(scatter) < math.inf:
                 key = f"scatters.{name}"
                 yield messages.NOT_ABOVE_ZERO.fault(key, given=shown(scatter))
+        yield from self._faults_of_expected()
         yield from scope_faults(self.tests, parameters)
         yield from relative_faults(self.relatives, self.tests)
         if isinstance(self.rayleigh, RayleighTimeStep):
             yield from self.rayleigh.faults(self.intervals)
         elif self.rayleigh is not None:
             yield messages.NO_RAYLEIGH.fault("rayleigh", given=shown(self.rayleigh))
+
+    def _faults_of_expected(self) -> Iterator[Fault]:
+        for name, (low, high) in self.expected.items():
+            inside = self.intervals.get(name, (math.inf, -math.inf))
+            if not inside[0] <= low < high <= inside[1]:
+                yield messages.NOT_WITHIN.fault(f"expected.{name}", low=low, high=high)
 
     def _read_correlations(self) -> list[Fault]:
         given = self.correlations
@@ -241,6 +252,13 @@ class Problem:
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Bounds by parameter name."""
         return {p.name: (p.minimum, p.maximum) for p in self.parameters}
+
+    @cached_property
+    def expected_part(self) -> NDArray[np.float64]:
+        """Ends of the expected intervals in the unit cube, shape (2, d)."""
+        ends = [self.expected.get(p.name, (p.minimum, p.maximum)) for p in self.parameters]
+        pairs = zip(self.parameters, ends, strict=True)
+        return np.array([[p.to_unit(end) for end in own] for p, own in pairs]).T
 
     @cached_property
     def scopes(self) -> tuple[TestScope, ...]:

@@ -372,7 +372,9 @@ class SequentialSearch(Search):
 
     @cached_property
     def _design(self) -> Array:
-        return maximin_latin_hypercube(self._design_size, self.problem.dimension, self.seed)
+        low, high = self.problem.expected_part
+        shares = maximin_latin_hypercube(self._design_size, self.problem.dimension, self.seed)
+        return np.asarray(low + (high - low) * shares)
 
     @cached_property
     def _tests_of_design(self) -> list[tuple[str, ...] | None]:
