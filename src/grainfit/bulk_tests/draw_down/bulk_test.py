@@ -103,7 +103,13 @@ class DrawDown(BulkTest):
         "width",
         Range(0.75, 1.2, power=-1),
         factors={"slot_width": Range(0.9, 1.6), "fill_height": Range(0.7, 1.3)},
-        indifferent=("shelf_thickness", "settling_time_limit", "time_step_fraction"),
+        wider={"floor_half_width": 2.0},
+        indifferent=(
+            "shelf_thickness",
+            "floor_half_width",
+            "settling_time_limit",
+            "time_step_fraction",
+        ),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
