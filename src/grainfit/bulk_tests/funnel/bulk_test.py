@@ -115,7 +115,6 @@ class Funnel(BulkTest):
         wider={"plate_radius": 1.6},
         same={"plate_rolling_friction": AS_PARTICLES},
         indifferent=(
-            "raise_speed",
             "funnel_radius",
             "plate_radius",
             "settling_time_limit",
