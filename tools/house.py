@@ -43,7 +43,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("evaluation", "problem", "run_definition"),
     ("result",),
     ("measurement",),
-    ("scenes",),
+    ("scenes", "photographs"),
     ("bulk_tests", "metamodels"),
     ("solvers", "strategies", "tests"),
     ("campaign", "atlas"),

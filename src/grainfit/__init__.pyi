@@ -35,6 +35,8 @@ from grainfit.materials.time_step import rayleigh_time_step as rayleigh_time_ste
 from grainfit.materials.wall_friction import friction_of_angle as friction_of_angle
 from grainfit.opened import OpenedCalibration as OpenedCalibration
 from grainfit.opened import open_calibration
+from grainfit.photographs.photo import PhotographedHeaps as PhotographedHeaps
+from grainfit.photographs.photo import photo as photo
 from grainfit.problem import CurveTarget as CurveTarget
 from grainfit.problem import Parameter as Parameter
 from grainfit.problem import Problem as Problem

@@ -11,7 +11,17 @@ from pathlib import Path
 import pytest
 from sand_files import FILE, MODEL
 
-EXTRAS = ("IPython", "arviz", "ipywidgets", "pandas", "parsl", "plotly", "psycopg", "pyarrow")
+EXTRAS = (
+    "IPython",
+    "arviz",
+    "cv2",
+    "ipywidgets",
+    "pandas",
+    "parsl",
+    "plotly",
+    "psycopg",
+    "pyarrow",
+)
 #: Python runs it at its start, and takes these packages for not installed.
 SITE = f"""
 import sys
@@ -70,6 +80,7 @@ for use in (
     except gf.InputError as error:
         print(error)
 print(CliRunner().invoke(app, ["runs", "export", "sand.grainfit", "runs.parquet"]).exception)
+print(CliRunner().invoke(app, ["photo", "heap.jpg"]).exception)
 """
 
 
@@ -155,4 +166,6 @@ def test_what_needs_an_extra_says_which_and_how_to_install_it(calibrated: Path) 
         "Install it with: pip install 'grainfit[arviz]'.",
         "a Parquet file needs the Python package pandas, which is not installed. "
         "Install it with: pip install 'grainfit[parquet]'. Or export to a .csv file.",
+        "a measurement on photographs needs the Python package cv2, which is not installed. "
+        "Install it with: pip install 'grainfit[photos]'.",
     ]

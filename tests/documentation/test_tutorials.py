@@ -8,19 +8,18 @@ import re
 import shlex
 import shutil
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from pages_of_tutorials import ROOT, marked_blocks
-from PIL import Image
 from typer.testing import CliRunner
 
 from grainfit.cli.app import app
-from grainfit.measurement.silhouette import render_silhouette
 from grainfit.solvers.registry import DEM_PROGRAMS
-from tests.measurement.synthetic_heaps import DIAMETER, heap
+from tests.photographs.drawn_pictures import cone
+from tests.photographs.rendered_pictures import Shot, save
 
 runner = CliRunner(env={"COLUMNS": "200"})
 
@@ -111,23 +110,16 @@ def test_the_tables_of_the_pages_on_own_models_are_those_of_the_examples() -> No
 
 
 def test_photographs_are_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    photograph(tmp_path, angle=25.0)
+    shot = Shot(cone(25.0, 10.0, 1), elevation=6.0, distance=1.1, plate_radius=0.31)
+    (tmp_path / "heap_1").mkdir()
+    for azimuth in (0, 90):
+        save(replace(shot, azimuth=azimuth), tmp_path / "heap_1" / f"{azimuth}.jpg", exif=True)
+    save(replace(shot, azimuth=45), tmp_path / "heap_2.jpg", exif=True)
     monkeypatch.chdir(tmp_path)
-    (block,) = marked_blocks("tutorials/photographs.md")
+    (block,) = marked_blocks("photos.md")
     names: dict[str, Any] = {}
     with contextlib.redirect_stdout(io.StringIO()) as printed:
-        exec(compile(block.text, "<photographs.md>", "exec", dont_inherit=True), names)
+        exec(compile(block.text, "<photos.md>", "exec", dont_inherit=True), names)
 
-    assert names["heap"].value == pytest.approx(25.0, abs=1.5)
-    assert "8 flanks" in printed.getvalue()
-
-
-def photograph(folder: Path, angle: float) -> None:
-    """Save pictures of a heap: dark beads before an uneven, bright background, in perspective."""
-    rng = np.random.default_rng(1)
-    particles = heap(angle, 6.0, 3)
-    for azimuth in (0, 45, 90, 135):
-        side = render_silhouette(particles, azimuth, 0.16, 0.1, DIAMETER / 20)
-        shade = np.linspace(170, 240, side.image.shape[1])
-        grey = np.where(side.image, rng.normal(60, 12, side.image.shape), shade)
-        Image.fromarray(np.clip(grey, 0, 255).astype(np.uint8)).save(folder / f"heap_{azimuth}.png")
+    assert names["found"].angle_of_repose.value == pytest.approx(25.0, abs=1.0)
+    assert "targets.angle_of_repose" in printed.getvalue()

@@ -20,6 +20,7 @@ from grainfit.cli.commands.estimate import estimate
 from grainfit.cli.commands.export import export
 from grainfit.cli.commands.measure import measure
 from grainfit.cli.commands.new import new
+from grainfit.cli.commands.photo import photo
 from grainfit.cli.commands.preview import preview
 from grainfit.cli.commands.report import report
 from grainfit.cli.commands.result import result
@@ -64,6 +65,7 @@ for _command in (
     stiffness,
     size,
     measure,
+    photo,
     watch,
     export,
     compare,

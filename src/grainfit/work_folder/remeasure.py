@@ -18,6 +18,8 @@ from grainfit.evaluation import Measured
 from grainfit.measurement.angle_of_repose import angle_of_repose, heap_silhouettes, on_plate
 from grainfit.measurement.heap_size import base_radius, heap_height
 from grainfit.measurement.particles import Particles, read_dump
+from grainfit.photographs.photo import photo
+from grainfit.photographs.pictures import is_picture
 from grainfit.scenes.run_output import RunOutput
 from grainfit.work_folder import messages
 
@@ -26,18 +28,18 @@ _VIEWS = 12
 
 
 def measure_path(path: Path) -> Mapping[str, Measured]:
-    """Measure the responses in a run folder, or the heap in a dump of particles.
+    """Measure the responses in a run folder, or the heap in a dump or in a photograph.
 
     Parameters
     ----------
     path : Path
-        A folder that holds a run's ``run.json``, or a LAMMPS or LIGGGHTS text dump of a heap that
-        stands on the plane z = 0.
+        A folder that holds a run's ``run.json``, a LAMMPS or LIGGGHTS text dump of a heap that
+        stands on the plane z = 0, or a photograph of a heap.
 
     Raises
     ------
     InputError
-        The path is neither.
+        The path is none of these.
     NotMeasurableError
         What is there cannot be measured, with the reason.
     RunFailedError
@@ -47,6 +49,8 @@ def measure_path(path: Path) -> Mapping[str, Measured]:
         return _test_of(path).measure(RunOutput(path))
     if not path.is_file():
         raise InputError(messages.NOTHING_TO_MEASURE.fault("", path=str(path)))
+    if is_picture(path):
+        return {"angle_of_repose": photo(path).angle_of_repose}
     particles = read_dump(path)
     if len(particles) == 0:
         raise NotMeasurableError(f"{path}: its last frame has no particles.")

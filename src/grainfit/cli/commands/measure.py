@@ -13,10 +13,11 @@ from grainfit.cli.consoles import out
 
 def measure(
     path: Annotated[
-        Path, typer.Argument(metavar="DIR-or-DUMP", help="A run folder, or a dump of particles.")
+        Path,
+        typer.Argument(metavar="PATH", help="A run folder, a dump of particles, or a photograph."),
     ],
 ) -> None:
-    """Measure the responses again, on the particles of a finished run."""
+    """Measure the responses again, on the particles of a finished run; or a heap in a picture."""
     from grainfit.work_folder.remeasure import absent_from, measure_path
 
     found = measure_path(path)

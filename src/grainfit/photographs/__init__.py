@@ -1,0 +1,1 @@
+"""Measurements on photographs, by the code that measures simulated heaps."""

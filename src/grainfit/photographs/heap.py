@@ -1,0 +1,471 @@
+"""The angle of repose of a heap in one picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.errors import NotMeasurableError
+from grainfit.measurement.angle_of_repose import View, angle_of_repose_in, outline_depth
+from grainfit.measurement.silhouette import Silhouette
+from grainfit.photographs import messages
+from grainfit.photographs.camera import (
+    FOCAL_RANGE,
+    USUAL_FOCAL,
+    Camera,
+    Foot,
+    apparent_angle,
+    foot_of,
+    ray,
+    true_angle,
+    up_from,
+)
+from grainfit.photographs.pictures import Picture, opencv
+from grainfit.photographs.plate import Plate, find_plate
+from grainfit.photographs.separation import EDGE_LEVEL, Separated, separate
+
+#: Flanks are seen up to the angle less this, degrees.
+FLANKS_VANISH = 8.0
+#: Largest standard uncertainty of the angle by the elevation of the camera, degrees.
+_UNSURE = 0.6
+#: The other levels at which the edge of the heap may be taken, and how far the angles at them may
+#: be apart, degrees.
+_LEVELS, _APART = (0.28, 0.55), 1.5
+#: Standard uncertainty of an elevation that is stated in degrees, and of one from the foot for the
+#: foot that is no circle.
+_STATED, _NO_CIRCLE = 0.5, 0.3
+#: Standard uncertainty of a particle diameter that is estimated, relative.
+_ESTIMATED = 0.3
+#: Scatter of the depth of an outline over its mean: that of Rayleigh's distribution.
+_SCATTER_OF_DEPTH = math.sqrt(4 / math.pi - 1)
+#: Length along a flank that shows one particle, in particle diameters.
+_INDEPENDENT = 1.2
+#: Least particle diameter that the outline shows, pixels.
+_FINEST = 1.5
+#: Standard uncertainty of an angle by the pixels, the lens and the compression, degrees.
+_PICTURE = 0.15
+#: A foot wider than the flanks by this factor is not theirs: a plate, or a shadow.
+_WIDER_FOOT = 1.3
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class HeapInPicture:
+    """What was measured on one picture of a heap.
+
+    Parameters
+    ----------
+    picture : Picture
+        The picture in its working size.
+    angle : float
+        Mean inclination of its two flanks, degrees.
+    parts : dict
+        Standard uncertainties by their source, degrees.
+    elevation, elevation_error : float
+        Of the camera above the horizontal, seen from the apex, and its standard uncertainty,
+        degrees.
+    plate : Plate or None
+        The plate, where it is seen.
+    seen_by : str
+        What the elevation follows from: the plate, the foot of the heap, or what is given.
+    roll : float
+        By which the picture was turned, degrees.
+    silhouette : Silhouette
+        Upright, as from the side: what the flanks were fitted to, lengths in pixels.
+    view : View
+        The flanks, in its lengths.
+    ground, diameter : float
+        Where the flanks begin, and particle diameter, pixels.
+    scale : float or None
+        Length of a pixel, m; None without a known length.
+    outline : ndarray of shape (n, 2)
+        Of the heap, columns and rows in the picture.
+    drawn : tuple of ndarray
+        Left and right flank, and the foot, columns and rows in the picture.
+    """
+
+    picture: Picture
+    angle: float
+    parts: dict[str, float]
+    elevation: float
+    elevation_error: float
+    plate: Plate | None
+    seen_by: str
+    roll: float
+    silhouette: Silhouette
+    view: View
+    ground: float
+    diameter: float
+    scale: float | None
+    outline: Array
+    drawn: tuple[Array, Array, Array]
+
+    @property
+    def uncertainty(self) -> float:
+        """Standard uncertainty of the angle of these two flanks, degrees."""
+        return math.sqrt(sum(part**2 for part in self.parts.values()))
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Angle on one mask with one camera."""
+
+    angle: float
+    silhouette: Silhouette
+    view: View
+    ground: float
+    diameter: float
+    elevation: float
+    back: Callable[[Array], Array]
+
+
+def measure_heap(
+    picture: Picture,
+    elevation: float | None = None,
+    plate_diameter: float | None = None,
+    diameter: float | None = None,
+) -> HeapInPicture:
+    """Measure the angle of repose of the heap in a picture.
+
+    Parameters
+    ----------
+    picture : Picture
+        The whole heap, seen from the side or from slightly above.
+    elevation : float, optional
+        Of the camera above the horizontal, degrees; from the edge of the plate, or else from the
+        foot of the heap, if not given.
+    plate_diameter, diameter : float, optional
+        Of the plate, by which lengths are known, and of the particles, m.
+
+    Raises
+    ------
+    NotMeasurableError
+        The picture cannot be measured, and why.
+    """
+    separated = separate(picture.colours)
+    mask = separated.mask()
+    usual = USUAL_FOCAL * max(picture.colours.shape[:2])
+    focal = picture.focal or usual
+    foot, error, plate = _seen_from(picture, mask, focal, elevation)
+    scale = _scale(plate, plate_diameter)
+    particle = diameter / scale if diameter and scale else None
+    found = _angle(mask, focal, foot, particle)
+    _require_flanks(found.angle, found.elevation, error)
+    _require_foot(found)
+
+    def other(mask: Mask = mask, focal: float = focal, foot: Foot = foot, size: float = 1) -> float:
+        return _angle(mask, focal, foot, size * found.diameter).angle
+
+    parts = {"picture": _PICTURE, "outline": _unsure_outline(separated, found.angle, other)}
+    parts["elevation"] = _unsure_elevation(found.angle, found.elevation, error)
+    if particle is None:
+        parts["particle size"] = abs(other(size=1 + _ESTIMATED) - found.angle)
+    if picture.focal is None:
+        lengths = [limit * max(picture.colours.shape[:2]) for limit in FOCAL_RANGE]
+        angles = [
+            other(focal=length, foot=_seen_from(picture, mask, length, elevation)[0])
+            for length in lengths
+        ]
+        # Any focal length within the range is as likely as another.
+        parts["focal length"] = (max(angles) - min(angles)) / math.sqrt(12)
+    up = foot.up
+    return HeapInPicture(
+        picture,
+        found.angle,
+        parts,
+        found.elevation,
+        error,
+        plate,
+        "given" if elevation is not None else "by its foot" if plate is None else "by the plate",
+        math.degrees(math.atan2(up[0], -up[1])),
+        found.silhouette,
+        found.view,
+        found.ground,
+        found.diameter,
+        scale,
+        _contour(mask),
+        _drawn(found),
+    )
+
+
+def _seen_from(
+    picture: Picture, mask: Mask, focal: float, stated: float | None
+) -> tuple[Foot, float, Plate | None]:
+    """Return the foot, the standard uncertainty of the elevation, degrees, and the plate.
+
+    Where the plate is seen, or the elevation is stated, the foot follows from it.
+    """
+    rows, columns = mask.shape
+    middle = ((columns - 1) / 2, (rows - 1) / 2)
+    particle = _particle(mask)
+    arc = _lower_edge(mask, particle)
+    foot = foot_of(arc, focal, middle, particle)
+    error = math.hypot(foot.error, _NO_CIRCLE)
+    plate = find_plate(picture.colours, mask, focal, middle)
+    better = foot
+    if plate is not None:
+        better = foot_of(arc, focal, middle, particle, plate.up)
+        spread = math.hypot(error, plate.error)
+        _require_agreement(foot.elevation, better.elevation, spread, "the edge of the plate")
+        error = plate.error
+    if stated is not None:
+        _require_agreement(better.elevation, stated, math.hypot(error, _STATED), "what is given")
+        towards = ray(focal, middle, foot.middle)
+        up = up_from(math.radians(stated), foot.roll, towards)
+        return foot_of(arc, focal, middle, particle, up), _STATED, plate
+    return better, error, plate
+
+
+def _scale(plate: Plate | None, plate_diameter: float | None) -> float | None:
+    """Return the length of a pixel at the heap, m; None without a known length."""
+    if plate_diameter is None:
+        return None
+    if plate is None:
+        raise NotMeasurableError(messages.NO_PLATE())
+    return plate_diameter / 2 / plate.half_width
+
+
+def _require_agreement(foot: float, elevation: float, error: float, other: str) -> None:
+    if abs(foot - elevation) > 3 * error:
+        raise NotMeasurableError(
+            messages.ELEVATIONS_DISAGREE(foot=foot, other=other, elevation=elevation)
+        )
+
+
+def _lower_edge(mask: Mask, particle: float) -> Array:
+    """Lower edge of a heap without the gaps between its particles, columns and rows."""
+    cv2 = opencv()
+    size = max(3, round(2 * particle))
+    shape = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    padded = np.pad(mask.astype(np.uint8), size)
+    mask = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, shape)[size:-size, size:-size] > 0
+    columns = np.flatnonzero(mask.any(axis=0))
+    rows = mask.shape[0] - np.argmax(mask[::-1, columns], axis=0) - 0.5
+    every = max(1, len(columns) // 100)
+    return np.column_stack([columns, rows]).astype(np.float64)[::every]
+
+
+def _particle(mask: Mask) -> float:
+    """Particle diameter by the roughness of the outline, pixels, on the flanks as they appear."""
+    columns = np.flatnonzero(mask.any(axis=0))
+    outline = mask.shape[0] - np.argmax(mask[:, columns], axis=0).astype(np.float64)
+    top = int(outline.argmax())
+    foot = float(np.median(np.r_[outline[:3], outline[-3:]]))
+    found = []
+    for side in (slice(None, top), slice(top, None)):
+        heights, places = outline[side], columns[side].astype(np.float64)
+        share = (heights - foot) / max(outline[top] - foot, 1.0)
+        flank = (share > 0.15) & (share < 0.85)
+        if flank.sum() > 20:
+            found.append(_diameter_of(places[flank], heights[flank], float(columns[top])))
+    return float(np.mean(found)) if found else _FINEST
+
+
+def _diameter_of(places: Array, heights: Array, axis: float) -> float:
+    """Return the particle diameter whose outline scatters about a line as this one."""
+    line = np.polyfit(places, heights, 1)
+    # A flank is slightly curved; that is no roughness.
+    rest = heights - np.polyval(np.polyfit(places, heights, 2), places)
+    square = max(float(np.mean(rest**2)) - 1 / 12, 0.0)
+    angle = math.degrees(math.atan(abs(float(line[0]))))
+    length = float(np.ptp(places))
+    diameter = 10.0
+    for _ in range(30):
+        # The fitted curve follows the particles, where they are few.
+        independent = max(length / (_INDEPENDENT * diameter), 4.5)
+        scatter = math.sqrt(square / (1 - 3 / independent))
+        depth = float(outline_depth(np.abs(places - axis), angle, diameter).mean())
+        diameter *= math.sqrt(max(scatter / (_SCATTER_OF_DEPTH * depth), 0.01))
+        diameter = max(diameter, _FINEST)
+    return diameter
+
+
+def _angle(mask: Mask, focal: float, foot: Foot, diameter: float | None = None) -> _Found:
+    """Measure the angle on the mask of a heap, seen by a camera."""
+    cv2 = opencv()
+    rows, columns = mask.shape
+    camera = Camera(focal, ((columns - 1) / 2, (rows - 1) / 2), foot.up)
+    apex = _apex(mask, camera)
+    width = float(np.ptp(np.flatnonzero(mask.any(axis=0))))
+    height = float(np.ptp(np.flatnonzero(mask.any(axis=1))))
+    margin = 0.1 * width
+    size = (math.ceil(1.4 * width), math.ceil(height + 0.3 * width + margin))
+    origin = (size[0] / 2, margin)
+    turn = camera.turned(apex, origin)
+    upright = cv2.warpPerspective(mask.astype(np.uint8) * 255, turn, size, flags=cv2.INTER_LINEAR)
+    upright = upright > 127
+    if diameter is None:
+        diameter = _particle(upright)
+    outline = Silhouette(upright, 1.0).outline()
+    smooth = _smoothed(outline, diameter)
+    top = size[1] - float(np.nanmax(smooth))  # row of the apex
+    base = turn @ np.array([*foot.middle, 1.0])
+    level = float(base[1] / base[2]) + diameter / 2
+    elevation = camera.elevation(apex)
+    # Height of the apex above the plate below it, in perspective.
+    e, drop = math.radians(elevation), level - top
+    scale = _turned_focal(camera, apex)
+    tall = scale * drop / (scale * math.cos(e) - drop * math.sin(e))
+    axis = _axis(outline, size[1] - top, size[1] - level)
+    apparent = _first_guess(outline, size[1] - top, size[1] - level)
+    for _ in range(4):
+        angle = true_angle(apparent, elevation)
+        stretch = math.tan(math.radians(angle)) / math.tan(math.radians(apparent))
+        silhouette = _stretched(upright, stretch, tall - stretch * (size[1] - top), axis)
+        ground = diameter + _end_of_flanks(angle, elevation, tall)
+        # From behind, the same outline is seen, mirrored: two flanks alone would be refused where
+        # they differ by more than four degrees, as those of coarse heaps do.
+        both = [silhouette, _mirrored(silhouette)]
+        measured = angle_of_repose_in(both, [0.0, 180.0], ground, diameter)
+        tangent = math.tan(math.radians(measured.value)) / stretch
+        before, apparent = apparent, math.degrees(math.atan(tangent))
+        if abs(before - apparent) < 0.02:
+            break
+    inverse = np.linalg.inv(turn)
+
+    def back(points: Array) -> Array:
+        places = np.column_stack(
+            [points[:, 0] + axis, top + (tall - points[:, 1]) / stretch, np.ones(len(points))]
+        )
+        found = places @ inverse.T
+        shown: Array = found[:, :2] / found[:, 2:]
+        return shown
+
+    angle = true_angle(apparent, elevation)
+    return _Found(angle, silhouette, measured.views[0], ground, diameter, elevation, back)
+
+
+def _turned_focal(camera: Camera, place: tuple[float, float]) -> float:
+    """Return the focal length of the camera that `Camera.turned` makes, pixels."""
+    return camera.focal / float(camera.ray(place)[2])
+
+
+def _apex(mask: Mask, camera: Camera) -> tuple[float, float]:
+    """Place of the apex in a picture: the highest place along the upward direction."""
+    rows, columns = np.nonzero(mask)
+    up = np.array([camera.up[0], camera.up[1]])
+    heights = columns * up[0] + rows * up[1]
+    highest = heights >= np.max(heights) - 2
+    return float(columns[highest].mean()), float(rows[highest].mean())
+
+
+def _smoothed(outline: Array, diameter: float) -> Array:
+    """Moving mean of an outline over two particle diameters; zero beside the heap."""
+    size = max(1, round(2 * diameter))
+    filled = np.nan_to_num(outline, nan=0.0)
+    found: Array = np.convolve(filled, np.ones(size) / size, "same")
+    return found
+
+
+def _axis(outline: Array, top: float, level: float) -> float:
+    """Column of the axis: the middle of the heap over its upper half."""
+    filled = np.nan_to_num(outline, nan=0.0)
+    middles = []
+    for share in np.linspace(0.4, 0.8, 9):
+        above = np.flatnonzero(filled > level + share * (top - level))
+        if len(above):
+            middles.append((above[0] + above[-1] + 1) / 2)
+    return float(np.mean(middles))
+
+
+def _first_guess(outline: Array, top: float, level: float) -> float:
+    """Apparent inclination by the width of the heap at two heights, degrees."""
+    filled = np.nan_to_num(outline, nan=0.0)
+    widths = [float((filled > level + share * (top - level)).sum()) / 2 for share in (0.35, 0.75)]
+    slope = 0.4 * (top - level) / max(widths[0] - widths[1], 1.0)
+    return float(np.clip(math.degrees(math.atan(slope)), 2.0, 70.0))
+
+
+def _stretched(upright: Mask, stretch: float, bottom: float, axis: float) -> Silhouette:
+    """Return a silhouette as from the side: heights stretched, the lowest at `bottom`."""
+    cv2 = opencv()
+    rows, columns = upright.shape
+    tall = max(1, round(rows * stretch))
+    resized = cv2.resize(
+        upright.astype(np.uint8) * 255, (columns, tall), interpolation=cv2.INTER_LINEAR
+    )
+    return Silhouette(resized > 127, 1.0, -axis, bottom)
+
+
+def _mirrored(silhouette: Silhouette) -> Silhouette:
+    right = silhouette.left + silhouette.image.shape[1] * silhouette.pixel_size
+    return Silhouette(silhouette.image[:, ::-1], silhouette.pixel_size, -right, silhouette.bottom)
+
+
+def _end_of_flanks(angle: float, elevation: float, tall: float) -> float:
+    """Height below which the outline is the foot, and no flank, as from the side."""
+    sine = math.tan(math.radians(elevation)) / math.tan(math.radians(angle))
+    return tall * (1 - math.sqrt(max(1 - sine**2, 0.0)))
+
+
+def _require_flanks(angle: float, elevation: float, error: float) -> None:
+    if elevation > angle - FLANKS_VANISH:
+        raise NotMeasurableError(
+            messages.TOO_HIGH(elevation=elevation, angle=angle, limit=angle - FLANKS_VANISH)
+        )
+    unsure = _unsure_elevation(angle, elevation, error)
+    if unsure > _UNSURE:
+        raise NotMeasurableError(
+            messages.UNSURE_ELEVATION(elevation=elevation, error=error, angle_error=unsure)
+        )
+
+
+def _require_foot(found: _Found) -> None:
+    """Raise `NotMeasurableError` if the foot does not belong to the flanks."""
+    reaches = [
+        abs(flank.start[0]) + flank.start[1] / math.tan(math.radians(flank.angle))
+        for flank in (found.view.left, found.view.right)
+        if flank is not None
+    ]
+    columns = np.flatnonzero(found.silhouette.image.any(axis=0))
+    half = float(np.ptp(columns)) / 2
+    if half > _WIDER_FOOT * float(np.mean(reaches)):
+        factor = half / float(np.mean(reaches))
+        raise NotMeasurableError(messages.WIDE_FOOT(factor=factor, most=_WIDER_FOOT))
+
+
+def _unsure_elevation(angle: float, elevation: float, error: float) -> float:
+    """Standard uncertainty of an angle by that of the elevation, degrees."""
+    apparent = apparent_angle(angle, elevation)
+    if math.isnan(apparent):
+        return math.inf
+    # Beside the horizontal an elevation and its error do not matter in the first order.
+    others = (elevation + error, max(elevation - error, 0.0))
+    return max(abs(true_angle(apparent, other) - angle) for other in others)
+
+
+def _unsure_outline(separated: Separated, angle: float, other: Callable[..., float]) -> float:
+    """Standard uncertainty by where the heap is taken to end, degrees."""
+    found = [angle]
+    for level in _LEVELS:
+        found.append(other(mask=separated.mask(level)))
+    if max(found) - min(found) > _APART:
+        raise NotMeasurableError(messages.UNSURE_OUTLINE(low=min(found), high=max(found)))
+    return (max(found) - min(found)) / 2
+
+
+def _contour(mask: Mask) -> Array:
+    cv2 = opencv()
+    found, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    outline: Array = max(found, key=len).reshape(-1, 2).astype(np.float64)
+    return outline
+
+
+def _drawn(found: _Found) -> tuple[Array, Array, Array]:
+    """Flanks and the line of the ground, in the picture."""
+    lines = []
+    for flank in (found.view.left, found.view.right):
+        points = [] if flank is None else [flank.start, flank.end]
+        lines.append(found.back(np.array(points).reshape(-1, 2)))
+    reach = max(abs(f.start[0]) for f in (found.view.left, found.view.right) if f is not None)
+    ground = np.array([[-1.25 * reach, 0.0], [1.25 * reach, 0.0]])
+    return lines[0], lines[1], found.back(ground)
+
+
+__all__ = ["EDGE_LEVEL", "FLANKS_VANISH", "HeapInPicture", "measure_heap"]

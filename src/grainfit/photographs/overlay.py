@@ -1,0 +1,103 @@
+"""Copies of photographs with what was found drawn on them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from grainfit.measurement.sheet import FLANK, font
+from grainfit.photographs.heap import Array, HeapInPicture
+from grainfit.photographs.pictures import Picture
+
+_OUTLINE, _PLATE, _PAPER = "#56b4e9", "#f0e442", "#1f2933"
+#: Lengths of a scale bar, m.
+_BARS = [factor * 10.0**power for power in range(-4, 1) for factor in (1, 2, 5)]
+
+
+def draw_overlay(folder: Path, picture: Picture, found: HeapInPicture | str) -> Path:
+    """Write a PNG of a picture with outline, plate, flanks, scale and angle, or with the reason.
+
+    It has the name of the picture, with ``_measured`` or ``_refused``; its path is returned.
+    """
+    image = Image.fromarray(picture.colours)
+    size = max(14, image.width // 45)
+    draw = ImageDraw.Draw(image)
+    if isinstance(found, str):
+        text, ending = f"not measured: {found}", "refused"
+    else:
+        _draw(draw, found, max(2, image.width // 400), size)
+        text = (
+            f"{found.angle:.1f}° ± {found.uncertainty:.1f}°, camera {found.elevation:.1f}° above "
+            f"({found.seen_by})"
+        )
+        ending = "measured"
+    lines = _wrapped(draw, text, image.width - size, size)
+    page = Image.new("RGB", (image.width, image.height + round(1.3 * size * len(lines)) + size))
+    page.paste(_PAPER, (0, 0, *page.size))
+    page.paste(image, (0, 0))
+    draw = ImageDraw.Draw(page)
+    for number, line in enumerate(lines):
+        place = (size / 2, image.height + size / 2 + 1.3 * size * number)
+        draw.text(place, line, fill="#ffffff", font=font(size))
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{picture.path.stem}_{ending}.png"
+    page.save(path)
+    return path
+
+
+def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int, size: int) -> None:
+    _line(draw, found.outline, _OUTLINE, width, closed=True)
+    left, right, ground = found.drawn
+    if found.plate is not None:
+        _line(draw, found.plate.ellipse, _PLATE, width, closed=True)
+    _line(draw, ground, _PLATE, width)
+    for flank, points, anchor in ((found.view.left, left, "rs"), (found.view.right, right, "ls")):
+        if flank is None:
+            continue
+        _line(draw, points, FLANK, 2 * width)
+        aside = -size if anchor == "rs" else size
+        place = (float(points[:, 0].mean()) + aside, float(points[:, 1].mean()) - size)
+        draw.text(
+            place,
+            f"{flank.angle:.1f}°",
+            fill=FLANK,
+            font=font(2 * size),
+            anchor=anchor,
+            stroke_width=2,
+            stroke_fill="#ffffff",
+        )
+    if found.scale is not None:
+        shown = draw.im.size[0] * found.scale / 5
+        bar = max(length for length in _BARS if length <= max(shown, _BARS[0]))
+        row = draw.im.size[1] - 1.5 * size
+        points = np.array([[size, row], [size + bar / found.scale, row]])
+        _line(draw, points, "#ffffff", 3 * width)
+        draw.text(
+            (size, row - size / 3),
+            f"{1000 * bar:g} mm",
+            fill="#ffffff",
+            font=font(size),
+            anchor="ls",
+            stroke_width=2,
+            stroke_fill=_PAPER,
+        )
+
+
+def _line(
+    draw: ImageDraw.ImageDraw, points: Array, colour: str, width: int, *, closed: bool = False
+) -> None:
+    places = [(float(x), float(y)) for x, y in points]
+    draw.line(places + places[:1] if closed else places, fill=colour, width=width)
+
+
+def _wrapped(draw: ImageDraw.ImageDraw, text: str, width: float, size: int) -> list[str]:
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and draw.textlength(longer, font=font(size)) > width:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines

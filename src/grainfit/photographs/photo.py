@@ -1,0 +1,217 @@
+"""Angles of repose of heaps that were photographed, for the targets of a calibration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from grainfit.errors import Fault, InputError, NotMeasurableError
+from grainfit.evaluation import Response
+from grainfit.photographs import messages
+from grainfit.photographs.heap import HeapInPicture, measure_heap
+from grainfit.photographs.overlay import draw_overlay
+from grainfit.photographs.pictures import is_picture, opencv, read_picture
+from grainfit.tables import TextTable
+from grainfit.units import UnitError, to_unit
+
+#: Scatter of the flanks of one heap before any is seen, degrees, and how many flanks it counts as.
+_FLANKS, _COUNTS_AS = 1.2, 2
+#: Any number of pictures of one heap shows six independent flanks (as of simulated silhouettes).
+_INDEPENDENT_FLANKS = 6
+
+Photographed = Literal["heap", "funnel"]
+PathLike = str | Path
+
+
+@dataclass(frozen=True)
+class PhotographedHeaps:
+    """What was measured on pictures of heaps.
+
+    Parameters
+    ----------
+    angle_of_repose : Response
+        Mean of the heaps and its standard uncertainty, degrees.
+    heaps : tuple of tuple of HeapInPicture
+        Measured pictures of each heap.
+    parts : dict
+        Standard uncertainties of the mean by their source, degrees.
+    refused : dict
+        Reason of each picture that was not measured.
+    """
+
+    angle_of_repose: Response
+    heaps: tuple[tuple[HeapInPicture, ...], ...]
+    parts: dict[str, float]
+    refused: dict[Path, str]
+
+    @property
+    def target(self) -> str:
+        """Line of a calibration file."""
+        value, error = self.angle_of_repose.value, self.angle_of_repose.standard_error
+        return (
+            f'targets.angle_of_repose = {{ value = "{value:.2f} deg", '
+            f'uncertainty = "{error:.2f} deg" }}'
+        )
+
+    def summary(self) -> list[str | TextTable]:
+        """Return a table of the pictures, what is refused, and the result."""
+        rows = tuple(
+            (
+                str(found.picture.path.name),
+                str(number + 1),
+                f"{found.angle:.2f} ± {found.uncertainty:.2f}",
+                f"{found.view.left.angle:.1f}" if found.view.left else "–",
+                f"{found.view.right.angle:.1f}" if found.view.right else "–",
+                f"{found.elevation:.1f} ± {found.elevation_error:.1f}",
+                found.seen_by,
+            )
+            for number, heap in enumerate(self.heaps)
+            for found in heap
+        )
+        headings = ("picture", "heap", "angle, °", "left, °", "right, °", "camera above, °", "seen")
+        table = TextTable(headings, rows)
+        lines: list[str | TextTable] = [table]
+        lines += [messages.REFUSED(path=path, reason=why) for path, why in self.refused.items()]
+        value, error = self.angle_of_repose.value, self.angle_of_repose.standard_error
+        sources = ", ".join(f"{name} {part:.2f}°" for name, part in self.parts.items())
+        lines.append(f"angle of repose: {value:.2f} ± {error:.2f} deg ({sources})")
+        if len(self.heaps) == 1:
+            lines.append(messages.ONE_HEAP())
+        lines.append(self.target)
+        return lines
+
+
+def photo(
+    pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
+    test: Photographed = "heap",
+    *,
+    diameter: str | float | None = None,
+    plate: str | float | None = None,
+    elevation: str | float | None = None,
+    overlays: PathLike | None = None,
+) -> PhotographedHeaps:
+    """Measure the angle of repose of heaps on photographs, as of simulated heaps.
+
+    Parameters
+    ----------
+    pictures : path, or sequence of these and of sequences
+        JPEG, HEIC, PNG, BMP or TIFF. Each picture shows a heap of its own; those of a folder or of
+        a sequence within the sequence show one heap.
+    test : {"heap", "funnel"}
+        The test whose heap it is; both are measured alike.
+    diameter : str or float, optional
+        Of the particles, such as ``"3 mm"``, or in m; by the roughness of the outline if not given.
+    plate : str or float, optional
+        Diameter of the round plate below the heap: the known length.
+    elevation : str or float, optional
+        Of the camera above the horizontal, such as ``"5 deg"``, or in degrees; by the edge of the
+        plate or by the foot of the heap if not given.
+    overlays : path, optional
+        Folder for a copy of every picture with what was found drawn on it.
+
+    Returns
+    -------
+    PhotographedHeaps
+        Mean and standard uncertainty, and what was found on each picture.
+
+    Raises
+    ------
+    InputError
+        A picture cannot be read, or the extra ``photos`` is not installed.
+    NotMeasurableError
+        No picture can be measured, and why.
+    """
+    opencv()
+    if test not in ("heap", "funnel"):
+        raise InputError(messages.OTHER_TEST.fault("test", test=test))
+    known = {
+        "elevation": _number("elevation", elevation, "deg"),
+        "plate_diameter": _number("plate", plate, "m"),
+        "diameter": _number("diameter", diameter, "m"),
+    }
+    if known["diameter"] is not None and known["plate_diameter"] is None:
+        raise InputError(messages.NO_LENGTH.fault("diameter"))
+    heaps, refused = [], {}
+    for group in _groups(pictures):
+        heap = []
+        for path in group:
+            picture = read_picture(path)
+            found: HeapInPicture | str
+            try:
+                found = measure_heap(picture, **known)
+                heap.append(found)
+            except NotMeasurableError as error:
+                found = refused[path] = str(error)
+            if overlays is not None:
+                draw_overlay(Path(overlays), picture, found)
+        if heap:
+            heaps.append(tuple(heap))
+    if not heaps:
+        reasons = "\n".join(messages.REFUSED(path=p, reason=why) for p, why in refused.items())
+        raise NotMeasurableError(
+            messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
+        )
+    response, parts = _mean(heaps)
+    return PhotographedHeaps(response, tuple(heaps), parts, refused)
+
+
+def _number(key: str, given: str | float | None, unit: str) -> float | None:
+    if given is None:
+        return None
+    try:
+        value = to_unit(given, unit) if isinstance(given, str) else float(given)
+    except UnitError as error:
+        raise InputError(Fault(key, str(error))) from None
+    if not (math.isfinite(value) and (value > 0 or (unit == "deg" and value == 0))):
+        raise InputError(messages.IMPOSSIBLE.fault(key, given=given))
+    return value
+
+
+def _groups(pictures: PathLike | Sequence[PathLike | Sequence[PathLike]]) -> list[list[Path]]:
+    """Return the pictures of each heap."""
+    given = [pictures] if isinstance(pictures, str | Path) else list(pictures)
+    if not given:
+        raise InputError(messages.NONE_GIVEN.fault("pictures"))
+    groups = []
+    for one in given:
+        if not isinstance(one, str | Path):
+            groups.append([Path(path) for path in one])
+        elif Path(one).is_dir():
+            found = sorted(path for path in Path(one).iterdir() if is_picture(path))
+            if not found:
+                raise InputError(messages.NO_PICTURES.fault("pictures", folder=one))
+            groups.append(found)
+        else:
+            groups.append([Path(one)])
+    return groups
+
+
+def _mean(heaps: Sequence[tuple[HeapInPicture, ...]]) -> tuple[Response, dict[str, float]]:
+    """Mean of heaps, and its standard uncertainty: of flanks, of heaps, and of the pictures."""
+    means = [float(np.mean([found.angle for found in heap])) for heap in heaps]
+    square, count = _COUNTS_AS * _FLANKS**2, float(_COUNTS_AS)
+    for heap in heaps:
+        flanks = [f.angle for found in heap for f in (found.view.left, found.view.right) if f]
+        square += float(np.sum((np.array(flanks) - np.mean(flanks)) ** 2))
+        count += len(flanks) - 1
+    flank = math.sqrt(square / count)
+    shown = [min(2 * len(heap), _INDEPENDENT_FLANKS) for heap in heaps]
+    of_flanks = flank * math.sqrt(sum(1 / n for n in shown)) / len(heaps)
+    parts = {}
+    if len(heaps) > 1:
+        of_heaps = float(np.std(means, ddof=1)) / math.sqrt(len(heaps))
+        parts["from heap to heap"] = max(of_heaps, of_flanks)
+    else:
+        parts["from flank to flank"] = of_flanks
+    # What is wrong in one picture is wrong alike in others of the same camera and light.
+    everything = [found for heap in heaps for found in heap]
+    for name in sorted({name for found in everything for name in found.parts}):
+        squares = [found.parts.get(name, 0.0) ** 2 for found in everything]
+        parts[name] = math.sqrt(float(np.mean(squares)))
+    error = math.sqrt(sum(part**2 for part in parts.values()))
+    return Response(float(np.mean(means)), error), parts
