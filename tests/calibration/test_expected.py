@@ -44,8 +44,8 @@ def test_a_wrong_expectation_costs_few_runs_and_no_truth() -> None:
     runs = {}
     for name, expected in {"none": {}, "right": RIGHT, "wrong": WRONG}.items():
         problem = gf.Problem(PARAMETERS, TARGETS, expected=expected)
-        results = [gf.calibrate(problem, _heap, seed=seed) for seed in (1, 2, 3)]
-        assert [result.status for result in results] == ["calibrated"] * 3
+        results = [gf.calibrate(problem, _heap, seed=seed) for seed in (1, 2)]
+        assert [result.status for result in results] == ["calibrated"] * 2
         for result in results:
             assert result.parameters["friction"] == pytest.approx(0.4, abs=0.05)
         runs[name] = np.mean([result.runs.total for result in results])

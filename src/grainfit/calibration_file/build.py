@@ -9,7 +9,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from grainfit.atlas.estimate import estimate_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
@@ -152,6 +151,9 @@ class CalibrationSetup:
         """Intervals in which the atlas expects the answer, if the file asks; empty without any."""
         if not self.strategy.atlas:
             return {}
+        # Imported here: `check` needs no metamodels.
+        from grainfit.atlas.estimate import estimate_of
+
         try:
             return estimate_of(self.problem, self.solvers).expected_intervals()
         except InputError:
