@@ -96,6 +96,16 @@ def test_an_estimate_says_that_nothing_was_simulated_and_what_stays_open() -> No
     assert messages.TO_VERIFY.is_in(text)
 
 
+def test_a_further_measurement_is_named_that_narrows_what_is_open() -> None:
+    found = estimate_of(_of_angle(25.0), _heaps())
+
+    assert messages.WOULD_NARROW.is_in(str(found))
+    best = found.most_telling(ROLLING)
+    assert best is not None
+    assert (best.test, best.response) != ("heap", "angle_of_repose")
+    assert all(0 <= left <= 1 for one in found.further for left in one.left.values())
+
+
 def test_a_target_out_of_reach_is_named() -> None:
     assert messages.OUT_OF_REACH.is_in(str(estimate_of(_of_angle(70.0, 0.5), _heaps())))
 

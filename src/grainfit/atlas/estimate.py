@@ -11,11 +11,17 @@ from numpy.typing import NDArray
 
 from grainfit.atlas import messages
 from grainfit.atlas.forecast import Forecast, values_at
-from grainfit.atlas.shelf import Atlas
+from grainfit.atlas.further import FurtherMeasurement, further_measurements
+from grainfit.atlas.shelf import Atlas, shipped_atlas
+from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import InputError
 from grainfit.formatting import duration, number, plain_ends, unit_for_people, with_unit
 from grainfit.metamodels.credible_interval import extended_to_bounds
-from grainfit.metamodels.importance_sampling import importance_sample, weighted_quantiles
+from grainfit.metamodels.importance_sampling import (
+    importance_sample,
+    representatives,
+    weighted_quantiles,
+)
 from grainfit.metamodels.likelihood import Likelihood, log_prior
 from grainfit.one_line import one_line
 from grainfit.problem import Parameter, Problem, Target
@@ -29,6 +35,9 @@ _SHARES = (0.025, 0.5, 0.975)
 _OPEN = 0.5
 #: Of intervals in which a search begins: their width over that of the estimate, the least one.
 _WIDER, _NARROWEST, _HALF = 1.5, 0.2, 0.5
+#: Width of an interval over the present one below which a measurement is worth naming, and points
+#: of the sample that show it.
+_NARROWS, _REPRESENTATIVES = 0.85, 400
 #: Standard errors within which a target can be met.
 _REACH = 2.5
 
@@ -109,6 +118,8 @@ class Estimate(Summary):
         Expected number of runs of each test that a calibration verifies it with.
     seconds : float, optional
         Their expected computing time on one core, s.
+    further : tuple of FurtherMeasurement
+        What measurements that were not made would settle, in the usual apparatus.
     points, weights : ndarray
         Sample of the parameters, shape (n, d), in the unit cube, and its weights.
     """
@@ -122,6 +133,7 @@ class Estimate(Summary):
     chance: float
     runs: int
     seconds: float | None
+    further: tuple[FurtherMeasurement, ...]
     points: Array
     weights: Array
 
@@ -150,6 +162,11 @@ class Estimate(Summary):
             *self._sentences(),
         )
 
+    def most_telling(self, name: str) -> FurtherMeasurement | None:
+        """Return the further measurement that narrows a parameter most; None if none does."""
+        best = min(self.further, key=lambda one: one.left[name], default=None)
+        return best if best is not None and best.left[name] < _NARROWS else None
+
     def _parameter_row(self, one: EstimatedParameter) -> tuple[str, ...]:
         unit = unit_for_people(one.parameter.unit)
         given = plain_ends(one.parameter.minimum, one.parameter.maximum)
@@ -166,6 +183,17 @@ class Estimate(Summary):
                 yield messages.OUT_OF_REACH(response=one.target.name)
         if still := [one.parameter.name for one in self.parameters if one.is_open]:
             yield messages.OPEN(names=", ".join(still))
+        for name in still:
+            if (best := self.most_telling(name)) is not None:
+                yield messages.WOULD_NARROW(
+                    name=name,
+                    response=best.response,
+                    test=best.test,
+                    accuracy=best.accuracy.in_words(
+                        bulk_tests()[best.test].responses[best.response].unit
+                    ),
+                    left=100 * best.left[name],
+                )
         if self.chance < 0.5:
             yield messages.MAY_FAIL(chance=100 * self.chance)
         for name, why in self.untold.items():
@@ -229,6 +257,8 @@ def estimate_of(
     )
     best = {name: float(found[0]) for name, found in values_at(problem.parameters, top).items()}
     runs = max(_runs_needed(one) for one in responses)
+    even = representatives(sample.points, weights, _REPRESENTATIVES, np.random.default_rng(seed))
+    further = further_measurements(problem, solvers, even, atlas or shipped_atlas())
     return Estimate(
         parameters=tuple(_intervals(problem, sample.points, weights)),
         responses=responses,
@@ -237,6 +267,7 @@ def estimate_of(
         chance=float(forecast.chance(top)[0]),
         runs=runs,
         seconds=_seconds(solvers, best, runs),
+        further=tuple(further),
         points=sample.points,
         weights=weights,
     )

@@ -23,6 +23,10 @@ NOT_SIMULATED = Message(
 ERRORS = Message("± standard error of the atlas; of measured values, the tolerance")
 OUT_OF_REACH = Message("{response}: no parameters within the intervals give the measured value.")
 OPEN = Message("The targets leave open: {names}.")
+WOULD_NARROW = Message(
+    "{response} of a {test} test, measured to {accuracy}, would narrow {name} to about {left:.0f} "
+    "% of its present interval."
+)
 MAY_FAIL = Message(
     "A run there has all responses with a chance of {chance:.0f} % only: the others make no heap "
     "that can be measured."
