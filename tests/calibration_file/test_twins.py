@@ -102,7 +102,7 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     assert of_verdict.FULL_SIZE_AGREES.is_in(done.output)
     verified = gf.Result.from_json("pot.grainfit/result.json")
     [made] = [one for one in verified.reasons if isinstance(one, FullSizeMade)]
-    assert made.mean == pytest.approx(1200, rel=0.03)
+    assert made.found == pytest.approx(1200, rel=0.03)
     # The run is known: no start makes it, or forgets it, again.
     assert setup.calibrate().status == "calibrated"
     assert gf.open("pot.grainfit").state == "calibrated"
@@ -155,7 +155,7 @@ def test_check_says_what_is_simulated(tmp_path: Path) -> None:
 
 
 def made(mean: float, half: float, predicted: float, predicted_half: float) -> FullSizeMade:
-    return FullSizeMade("angle", "deg", mean, half, 1, predicted, predicted_half)
+    return FullSizeMade("angle", "deg", mean, half, predicted, predicted_half)
 
 
 def test_a_run_at_full_size_is_weighed_with_what_agrees_with_it() -> None:

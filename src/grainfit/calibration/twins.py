@@ -93,9 +93,9 @@ class Twins:
     def at_full_size(
         self, result: Result, confidence: float, made: Iterable[FullSizeMade]
     ) -> Result:
-        """Return a prediction with what runs at full size gave, and the verdict.
+        """Return a prediction with what a run at full size gave, and the verdict.
 
-        What agrees with the prediction is weighed by its error; else the runs count alone.
+        What agrees with the prediction is weighed by its error; else the run counts alone.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Twins:
         confidence : float
             Demanded probability that every target is met.
         made : iterable of FullSizeMade
-            By target, the runs at this answer.
+            By target, the run at this answer.
         """
         responses, made = dict(result.responses), tuple(made)
         for one in made:
@@ -122,9 +122,9 @@ def combined(made: FullSizeMade) -> tuple[float, float]:
     """Return the response that is expected at full size, and its standard error."""
     own, other = made.half_width / NORMAL_QUANTILE, made.predicted_half_width / NORMAL_QUANTILE
     if not made.agrees or other <= 0:
-        return made.mean, own
+        return made.found, own
     share = other**2 / (own**2 + other**2)
-    return share * made.mean + (1 - share) * made.predicted, own * math.sqrt(share)
+    return share * made.found + (1 - share) * made.predicted, own * math.sqrt(share)
 
 
 def _expected(

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from statistics import fmean
 
 from grainfit.analysis.modulus_study import MeanResponse
 from grainfit.analysis.size_study import SizePlan, SizesOfTest, simulate_sizes
@@ -189,7 +187,6 @@ class RealSizeCalibration:
 
     def _verified(self, result: Result, twins: Twins) -> Result:
         """Return the verdict by runs of the laboratory's apparatus, as far as there are some."""
-        known: dict[str, list[float]] = defaultdict(list)
         for number in range(1, _MOST_FULL + 1):
             if result.status != "predicted":
                 return result
@@ -199,10 +196,7 @@ class RealSizeCalibration:
             if run.failures:
                 failed = [FullSizeFailed(test, why) for test, why in run.failures.items()]
                 return self._keep(replace(result, reasons=(*failed, *result.reasons)))
-            for name, ratio in twins.ratios.items():
-                there = result.responses[name].predicted / ratio.value
-                known[name].append(run.responses[name].value / there)
-            made = [self._made(name, values, result, twins) for name, values in known.items()]
+            made = [_made(name, run.responses[name].value, result) for name in twins.ratios]
             judged = twins.at_full_size(result, self._options.confidence, made)
             if judged.status == "calibrated" or number == _MOST_FULL:
                 return self._keep(judged)
@@ -238,28 +232,6 @@ class RealSizeCalibration:
             found = replace(found, responses=named)
         return found
 
-    def _made(self, name: str, ratios: list[float], result: Result, twins: Twins) -> FullSizeMade:
-        """Return the full-size runs of a target, at the present answer.
-
-        The scatter of a run is counted as that of its twin, which is larger.
-        """
-        one, used = result.responses[name], twins.ratios[name]
-        there = one.predicted / used.value
-        own = _of_twin(one.predicted, one.standard_error, used).standard_error or 0.0
-        quality = result.metamodels.get(name)
-        scatter = 0.0 if quality is None else quality.noise
-        mean = fmean(ratios) * there
-        error = math.hypot(scatter / math.sqrt(len(ratios)), own * used.value)
-        return FullSizeMade(
-            name,
-            one.unit,
-            mean,
-            NORMAL_QUANTILE * error,
-            len(ratios),
-            one.predicted,
-            NORMAL_QUANTILE * one.standard_error,
-        )
-
     def _keep(self, result: Result) -> Result:
         """Write a result and its status, instead of those of the search."""
         self._result = result
@@ -270,11 +242,23 @@ class RealSizeCalibration:
         return result
 
 
+def _made(name: str, value: float, result: Result) -> FullSizeMade:
+    """Return a run at full size beside the prediction, which has what earlier ones told.
+
+    Its scatter is counted as that of a twin, which is larger.
+    """
+    one, quality = result.responses[name], result.metamodels.get(name)
+    scatter = 0.0 if quality is None else quality.noise
+    predicted = one.predicted, NORMAL_QUANTILE * one.standard_error
+    return FullSizeMade(name, one.unit, value, NORMAL_QUANTILE * scatter, *predicted)
+
+
 def _ratio_at(judged: Result, name: str, twins: Twins, result: Result) -> SizeRatio:
     """Return the ratio that follows from a verdict at full size."""
     there = result.responses[name].predicted / twins.ratios[name].value
     found = judged.responses[name]
-    return SizeRatio(found.predicted / there, found.standard_error)
+    value = found.predicted / there if found.predicted * there > 0 else twins.ratios[name].value
+    return SizeRatio(value, found.standard_error)
 
 
 def _of_twin(predicted: float, error: float, ratio: SizeRatio) -> MeanResponse:

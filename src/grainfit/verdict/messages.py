@@ -112,7 +112,8 @@ DETERMINISTIC_IN_DOUBT = Message(
 
 # Smaller apparatus instead of the laboratory's.
 FULL_SIZE_PENDING = Message(
-    "Smaller apparatus were simulated, no run of the laboratory's was made. One of {tests}.",
+    "Smaller apparatus were simulated, no run of the laboratory's was made at this answer. "
+    "One of {tests}.",
     "'grainfit run FILE --full-size' makes one of each, and the verdict follows; stopped at any "
     "time, it continues.",
 )
@@ -122,11 +123,11 @@ NOT_MEASURED = Message(
 )
 REAL_TEST = Message("{test} ({particles} particles instead of {simulated}) takes {time}")
 FULL_SIZE_AGREES = Message(
-    "{target} at full size is {found} (mean of {runs}); smaller apparatus predict {predicted}."
+    "{target} at full size is {found} by the run at the answer; predicted is {predicted}."
 )
 FULL_SIZE_DIFFERS = Message(
-    "{target} at full size is {found} (mean of {runs}), but smaller apparatus predict "
-    "{predicted}: what is expected of the laboratory's rests on the full size alone."
+    "{target} at full size is {found} by the run at the answer, but predicted is {predicted}: what "
+    "is expected rests on the run alone."
 )
 FULL_SIZE_FAILED = Message("The full-size run of {test} failed: {why}")
 

@@ -504,16 +504,15 @@ class FullSizePending(Reason):
 
 @dataclass(frozen=True)
 class FullSizeMade(Reason):
-    """Runs of the laboratory's apparatus, beside what smaller ones predict with its 95 % interval.
+    """A run of the laboratory's apparatus beside the prediction, with their 95 % intervals.
 
-    ``mean`` has the half width of its own 95 % interval, by the scatter of the smaller ones.
+    That of the run is by the scatter of the smaller ones.
     """
 
     target: str
     unit: str
-    mean: float
+    found: float
     half_width: float
-    runs: int
     predicted: float
     predicted_half_width: float
     kind = "full size"
@@ -522,15 +521,14 @@ class FullSizeMade(Reason):
     def agrees(self) -> bool:
         """Whether both agree within their intervals."""
         allowed = math.hypot(self.half_width, self.predicted_half_width)
-        return abs(self.mean - self.predicted) <= allowed
+        return abs(self.found - self.predicted) <= allowed
 
     def __str__(self) -> str:
         message = messages.FULL_SIZE_AGREES if self.agrees else messages.FULL_SIZE_DIFFERS
         unit = unit_for_people(self.unit)
         return message(
             target=self.target,
-            found=with_unit(plain_interval(self.mean, self.half_width), unit),
-            runs=counted(self.runs, "run"),
+            found=with_unit(plain_interval(self.found, self.half_width), unit),
             predicted=with_unit(plain_interval(self.predicted, self.predicted_half_width), unit),
         )
 
