@@ -1,6 +1,6 @@
 """Draw the pictures of the tutorial on the real apparatus from the finished example.
 
-python tools/real_apparatus_pictures.py examples/real_apparatus/calibration.toml FOLDER
+python tools/real_apparatus_pictures.py examples/real_apparatus/pot.toml FOLDER
 
 FOLDER is the work folder of the calibration; nothing is simulated. Sizes at the answer are written
 to docs/images/real_apparatus_sizes.png, runs of the smallest and the largest size of each test to
@@ -18,22 +18,32 @@ import grainfit as gf
 from grainfit.analysis.size_study import SizePlan, SizeStudy, simulate_sizes
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.twins import SEEDS, sizes_at_answer
+from grainfit.work_folder.open_folder import open_folder
 from grainfit.work_folder.size_picture import draw_sizes
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"
 #: Width of the picture of a run, pixels.
-_WIDTH = 560
+_WIDTH = 400
+_COLOURS = 128
 
 
-def plans(setup: CalibrationSetup, answer: gf.Result) -> list[SizePlan]:
-    """Return the sizes of each test that were simulated at the answer."""
+def answer(setup: CalibrationSetup, folder: Path) -> dict[str, float]:
+    """Return the parameters at which sizes were simulated last."""
+    with open_folder(folder) as opened:
+        runs = [run for run in opened.store.runs("finished") if run.test.endswith(", size 1")]
+    found = runs[-1].definition.parameters
+    return {parameter.name: found[parameter.name] for parameter in setup.problem.parameters}
+
+
+def plans(setup: CalibrationSetup, parameters: dict[str, float]) -> list[SizePlan]:
+    """Return the sizes of each test that were simulated."""
     found = []
     for name, twin in setup.twins.items():
         solver = setup.solvers[name]
         assert solver.bulk_test is not None, "twins are of bulk tests"
         assert twin.bulk_test is not None, "twins are bulk tests"
         times = sizes_at_answer(solver.bulk_test, twin.bulk_test)
-        found.append(SizePlan({name: solver}, setup.problem, answer.parameters, times, 1.0, SEEDS))
+        found.append(SizePlan({name: solver}, setup.problem, parameters, times, 1.0, SEEDS))
     return found
 
 
@@ -67,16 +77,15 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     given = parser.parse_args()
     setup = gf.load(given.file)
-    answer = gf.Result.from_json(given.folder / "result.json")
-    found = plans(setup, answer)
+    parameters = answer(setup, given.folder)
+    found = plans(setup, parameters)
     studies = [simulate_sizes(plan, given.folder) for plan in found]
     tests = tuple(test for study in studies for test in study.tests)
-    study = SizeStudy(tests, answer.parameters, SEEDS)
+    study = SizeStudy(tests, parameters, SEEDS)
     print(study)
     draw_sizes(study, IMAGES / "real_apparatus_sizes.png")
-    tiled([runs(plan, given.folder) for plan in found]).save(
-        IMAGES / "real_apparatus_runs.png", optimize=True
-    )
+    sheet = tiled([runs(plan, given.folder) for plan in found])
+    sheet.quantize(_COLOURS).save(IMAGES / "real_apparatus_runs.png", optimize=True)
 
 
 if __name__ == "__main__":

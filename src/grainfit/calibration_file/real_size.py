@@ -224,7 +224,8 @@ class RealSizeCalibration:
                 runs = campaign.identities(proposal)
                 if not all(campaign.is_known(run, name) for name, run in runs.items()):
                     return None
-        self._say(messages.FULL_SIZE_RUN(number=number, tests=_in_words(twins)))
+        tests = in_a_row(f"{one.test} ({one.particles:,} particles)" for one in twins.tests)
+        self._say(messages.FULL_SIZE_RUN(number=number, tests=tests))
         [found] = simulate_batch(solvers, [proposal], self._folder, making)
         if len(solvers) == 1 and len(self._solvers) > 1:
             [name] = solvers
