@@ -15,22 +15,18 @@ from grainfit.photographs.pictures import opencv
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-#: Share of the visible edge of a plate that must be seen as an edge, and how near to it, pixels;
-#: ellipses of which this less is seen are as good.
-_SEEN, _NEAR, _AS_WELL = 0.85, 1.6, 0.1
+#: Share of the visible edge of a plate that must be seen as an edge, and how near to it, pixels.
+_SEEN, _NEAR = 0.7, 2.0
 #: A plate is wider than the heap by this factor at least and at most.
 _WIDER = (1.04, 4.0)
 #: Standard uncertainty of the place of its edge, pixels, and of its being level, degrees.
 _EDGE, _LEVEL = 0.7, 0.2
 #: Least depth of the ellipse over its width, and pixels by which the heap may be beyond the edge.
 _THIN, _BEYOND = 0.02, 3.0
-#: Edges are looked for in a picture that is softened by this share of its width; they are steeper
-#: than this share of all places, and than these differences of neighbours, times eight.
-_SOFT, _GRAIN, _STEEP = 0.0035, 0.9, (16.0, 6.0)
-#: Longest edges that are looked at; pieces of one, and their length over the width of the heap.
-_MOST_EDGES, _MOST_PIECES, _PIECE = 14, 5, 0.4
-#: Width of a straight edge over its length.
-_STRAIGHT = 0.01
+#: Edges are looked for in a picture that is softened by so many pixels; two limits of steepness.
+_SOFT, _STEEP = 1.6, (12, 30)
+#: Longest edges that are looked at, and pieces of them.
+_MOST_EDGES, _MOST_PIECES = 14, 36
 
 
 @dataclass(frozen=True)
@@ -77,77 +73,36 @@ def find_plate(
     width = float(np.ptp(columns))
     size = max(3, 2 * round(0.012 * width) + 1)
     hidden = cv2.dilate(heap.astype(np.uint8), np.ones((size, size), np.uint8)) > 0
-    soft = cv2.GaussianBlur(colours, (0, 0), max(1.6, _SOFT * colours.shape[1]))
-    lowest = _lowest(heap)
-    lab = cv2.cvtColor(soft, cv2.COLOR_RGB2LAB)
-    steep, weak = (np.where(hidden, 0, _edges(lab, least)).astype(np.uint8) for least in _STEEP)
-    # Ellipses through steep edges; weak ones are seen around them.
-    for chains in (_chains(steep, width), _chains(weak, width)):
-        conic = _best(chains, weak, hidden, width, lowest)
-        if conic is not None:
-            return _plate(conic, focal, middle)
-    return None
-
-
-def _edges(lab: NDArray[np.uint8], least: float) -> NDArray[np.uint8]:
-    """Find edges in any channel that are steeper than the grain."""
-    cv2 = opencv()
-    edges = np.zeros(lab.shape[:2], np.uint8)
+    lab = cv2.cvtColor(cv2.GaussianBlur(colours, (0, 0), _SOFT), cv2.COLOR_RGB2LAB)
+    edges = np.zeros(heap.shape, np.uint8)
     for channel in range(3):
-        shade = np.ascontiguousarray(lab[..., channel])
-        across, down = (cv2.Sobel(shade, cv2.CV_16S, *way) for way in ((1, 0), (0, 1)))
-        grain = float(np.quantile(np.hypot(across[::4, ::4], down[::4, ::4]), _GRAIN))
-        high = max(least, 1.5 * grain)
-        edges |= cv2.Canny(across, down, 0.5 * high, high, L2gradient=True)
-    return edges
-
-
-def _best(
-    chains: list[Array], edges: NDArray[np.uint8], hidden: Mask, width: float, foot: Array
-) -> Array | None:
-    """Return the conic of the ellipse around the foot that is the edge of a plate."""
-    cv2 = opencv()
+        edges |= cv2.Canny(np.ascontiguousarray(lab[..., channel]), *_STEEP, L2gradient=True)
+    edges[hidden] = 0
     distance = cv2.distanceTransform((edges == 0).astype(np.uint8), cv2.DIST_L2, 5)
-    found = []
-    for some in (*combinations(chains, 1), *combinations(chains, 2)):
-        ellipse = _fitted(np.vstack(some), distance, edges, hidden, width, foot)
-        if ellipse is not None and ellipse[0] >= _SEEN:
-            found.append(ellipse)
-    if not found:
+    lowest = _lowest(heap)
+    best: tuple[float, Array] | None = None
+    for some in combinations(_pieces(edges, width), 2):
+        found = _fitted(np.vstack(some), distance, edges, hidden, width, lowest)
+        if found is not None and (best is None or found[0] > best[0]):
+            best = found
+    if best is None or best[0] < _SEEN:
         return None
-    # The lower rim of a thick plate goes well with the back of its upper one: the upper one is
-    # within the ellipse of both.
-    seen = max(share for share, _ in found) - _AS_WELL
-    return min((conic for share, conic in found if share >= seen), key=_area)
+    return _plate(best[1], focal, middle)
 
 
-def _area(conic: Array) -> float:
-    shape = _axes_of(conic)
-    return math.inf if shape is None else shape[1] * shape[2]
-
-
-def _chains(edges: NDArray[np.uint8], width: float) -> list[Array]:
-    """Return pieces of the longest edges: columns and rows."""
+def _pieces(edges: NDArray[np.uint8], width: float) -> list[Array]:
+    """Return pieces of the longest edges, a sixth of the heap's width each: columns and rows."""
     cv2 = opencv()
+    length = max(12, round(width / 6))
     outlines, _ = cv2.findContours(edges, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
-    longest = sorted(outlines, key=len, reverse=True)[:_MOST_EDGES]
     found: list[Array] = []
-    for outline in longest:
+    for outline in sorted(outlines, key=len, reverse=True)[:_MOST_EDGES]:
         # A thin line is traced there and back.
         points = outline.reshape(-1, 2).astype(np.float64)
         points = points[: len(points) // 2 + 1]
-        if len(points) > 0.15 * width and not _is_straight(points):
-            # In pieces, for an edge of the plate may go on as one of something else.
-            count = min(max(1, round(len(points) / (_PIECE * width))), _MOST_PIECES)
-            found += np.array_split(points, count)
-    return found
-
-
-def _is_straight(points: Array) -> bool:
-    """Return whether an edge is a line, as that of a table."""
-    centred = points - points.mean(axis=0)
-    thin, long = np.linalg.svd(centred, full_matrices=False)[1][::-1]
-    return bool(thin < _STRAIGHT * long)
+        cuts = range(0, len(points) - length // 2, length)
+        found += [points[k : k + length] for k in cuts]
+    return sorted(found, key=len, reverse=True)[:_MOST_PIECES]
 
 
 def _fitted(
