@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -23,6 +23,8 @@ _WIDER = (1.04, 4.0)
 _EDGE, _LEVEL = 0.7, 0.2
 #: Least depth of the ellipse over its width, and pixels by which the heap may be beyond the edge.
 _THIN, _BEYOND = 0.02, 3.0
+#: Length of the longer side of the picture in which a plate is looked for, pixels.
+_LENGTH = 800
 #: Edges are looked for in a picture that is softened by so many pixels; two limits of steepness.
 _SOFT, _STEEP = 1.6, (12, 30)
 #: Longest edges that are looked at, and pieces of them.
@@ -69,6 +71,17 @@ def find_plate(
         Where the optical axis is: column and row.
     """
     cv2 = opencv()
+    factor = _LENGTH / max(heap.shape)
+    if factor < 1:
+        reduced = (round(heap.shape[1] * factor), round(heap.shape[0] * factor))
+        small = cv2.resize(heap.astype(np.uint8), reduced, interpolation=cv2.INTER_AREA) > 0
+        colours = cv2.resize(colours, reduced, interpolation=cv2.INTER_AREA)
+        nearer = ((middle[0] + 0.5) * factor - 0.5, (middle[1] + 0.5) * factor - 0.5)
+        plate = find_plate(colours, small, focal * factor, nearer)
+        if plate is None:
+            return None
+        ellipse = (plate.ellipse + 0.5) / factor - 0.5
+        return replace(plate, ellipse=ellipse, half_width=plate.half_width / factor)
     columns = np.flatnonzero(heap.any(axis=0))
     width = float(np.ptp(columns))
     size = max(3, 2 * round(0.012 * width) + 1)
