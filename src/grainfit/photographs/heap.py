@@ -47,7 +47,7 @@ _INDEPENDENT = 1.2
 #: Least particle diameter that the outline shows, pixels.
 _FINEST = 1.5
 #: Standard uncertainty of an angle by the pixels, the lens and the compression, degrees.
-_PICTURE = 0.15
+_PICTURE = 0.2
 #: A foot wider than the flanks by this factor is not theirs: a plate, or a shadow.
 _WIDER_FOOT = 1.3
 
