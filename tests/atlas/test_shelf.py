@@ -9,10 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import grainfit as gf
+from grainfit.atlas import messages
+from grainfit.atlas.estimate import estimate_of
 from grainfit.atlas.growing import grow, made
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas, publish
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
 #: What ships in a wheel, bytes.
 LARGEST = 5e6
@@ -88,6 +92,30 @@ def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -
     assert atlas.of_test("packing") is None
     if damage in ("changed", "gone", "revision"):
         assert "packing" in list(atlas.faults())
+
+
+def test_an_estimate_names_a_damaged_atlas_and_goes_on_without_it(tmp_path: Path) -> None:
+    folder = tmp_path / "atlas"
+    shutil.copytree(SHIPPED, folder)
+    (folder / "packing.models.json").write_text("{}")
+    material = {
+        **ROUGH_SPHERES,
+        "particle_particle.rolling_damping": 0.0,
+        "particle_wall.rolling_damping": 0.0,
+    }
+    del material["particle.density"]
+    solvers = {
+        "heap": gf.solvers.Lammps(gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE), material),
+        "bed": gf.solvers.Lammps(gf.tests.Packing(diameter="10 mm"), material),
+    }
+    targets = [gf.Target(f"{name}.bulk_density", 1300.0) for name in solvers]
+    scopes = [gf.TestScope(n, [f"{n}.bulk_density"], ["particle.density"]) for n in solvers]
+    density = gf.Parameter("particle.density", 1500.0, 3000.0)
+
+    found = estimate_of(gf.Problem([density], targets, tests=scopes), solvers, Atlas(folder))
+
+    assert [one.target.name for one in found.responses] == ["heap.bulk_density"]
+    assert messages.DAMAGED.is_in(found.untold["bed.bulk_density"])
 
 
 def test_the_chance_of_a_heap_falls_with_the_rolling_friction() -> None:

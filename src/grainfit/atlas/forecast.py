@@ -71,7 +71,8 @@ class Forecast:
             reading = Reading(solvers[test], problem.middle)
             surrogate = self._atlas.of_test(reading.test.type)
             if surrogate is None:
-                raise NotInAtlasError(messages.NO_ROWS())
+                is_there = reading.test.type in self._atlas.tests
+                raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
             reading.require_inside(problem.middle)
         except NotInAtlasError as error:
             self.untold |= {target.name: str(error) for target in targets}

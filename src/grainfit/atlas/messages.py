@@ -3,6 +3,9 @@
 from grainfit.messages import Message
 
 NO_ROWS = Message("the atlas has no rows of this test")
+DAMAGED = Message(
+    "the rows of this test in the atlas are damaged, or of another version: install grainfit again"
+)
 CLUMPS = Message("the atlas has spheres alone, and this test has {shape}")
 COHESION = Message("the atlas has no cohesion, and this material has {model}")
 LAW = Message("the atlas has the usual contact law alone, not {models}")

@@ -12,11 +12,12 @@ import numpy as np
 
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.one_line import one_line
 from grainfit.photographs import messages
 from grainfit.photographs.heap import HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import is_picture, opencv, read_picture
-from grainfit.tables import TextTable
+from grainfit.tables import Summary, TextTable
 from grainfit.units import UnitError, to_unit
 
 #: Scatter of the flanks of one heap before any is seen, degrees, and how many flanks it counts as.
@@ -29,7 +30,7 @@ PathLike = str | Path
 
 
 @dataclass(frozen=True)
-class PhotographedHeaps:
+class PhotographedHeaps(Summary):
     """What was measured on pictures of heaps.
 
     Parameters
@@ -43,6 +44,8 @@ class PhotographedHeaps:
     refused : dict
         Reason of each picture that was not measured.
     """
+
+    __repr__ = one_line
 
     angle_of_repose: Response
     heaps: tuple[tuple[HeapInPicture, ...], ...]
@@ -58,7 +61,7 @@ class PhotographedHeaps:
             f'uncertainty = "{error:.2f} deg" }}'
         )
 
-    def summary(self) -> list[str | TextTable]:
+    def summary(self) -> tuple[str | TextTable, ...]:
         """Return a table of the pictures, what is refused, and the result."""
         rows = tuple(
             (
@@ -82,8 +85,7 @@ class PhotographedHeaps:
         lines.append(f"angle of repose: {value:.2f} ± {error:.2f} deg ({sources})")
         if len(self.heaps) == 1:
             lines.append(messages.ONE_HEAP())
-        lines.append(self.target)
-        return lines
+        return (*lines, self.target)
 
 
 def photo(

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.consoles import out
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.options import OpenAfterwards, open_in_browser, output_option
@@ -32,6 +33,10 @@ def atlas(
     write_atomically(path, atlas_page(shipped_atlas()))
     counts = shipped_atlas().counts
     rows = ", ".join(f"{name} {count}" for name, count in counts.items())
-    show.print_parts(out, (f"Runs of the atlas: {rows}.", f"Page: {path}"))
+    damaged = [
+        messages.DAMAGED_ATLAS(test=name, folder=shipped_atlas().folder)
+        for name in shipped_atlas().faults()
+    ]
+    show.print_parts(out, (f"Runs of the atlas: {rows}.", *damaged, f"Page: {path}"))
     if open_afterwards:
         open_in_browser(path)
