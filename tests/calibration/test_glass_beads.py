@@ -76,7 +76,6 @@ def test_glass_beads_are_calibrated_with_few_runs(tmp_path: Path) -> None:
 
 
 @needs_liggghts
-@pytest.mark.thorough
 def test_the_density_of_beads_in_a_packing_is_calibrated_on_liggghts(tmp_path: Path) -> None:
     file = example(tmp_path, "calibration.toml", type='"packing"', solver='"liggghts"')
     text = file.read_text().replace("{ min = 0.449, max = 0.891 }", "0.67")

@@ -133,7 +133,6 @@ def example_targets(folder: Path, material: StartingMaterial, test: str) -> dict
     return {target.name: target.value for target in gf.load(path).problem.targets}
 
 
-@pytest.mark.thorough
 def test_the_heap_of_example_targets_is_the_one_of_their_angle(tmp_path: Path) -> None:
     material = {
         **GLASS_BEADS,

@@ -209,7 +209,6 @@ def test_a_candidate_that_would_arch_is_left_out_before_any_run(plan: Path) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.thorough
 def test_slopes_of_enlarged_particles_are_simulated(plan: Path) -> None:
     text = COARSE.replace("rolling_friction = { min = 0.05, max = 0.6 }", "rolling_friction = 0.2")
     text = text.replace("30 MPa", "3 MPa")
