@@ -44,3 +44,7 @@ DAMAGED_ATLAS = Message(
     "The rows of {test} in {folder} are damaged, or of another version, and tell nothing.",
     "Install grainfit again.",
 )
+MARKER_SHEET = Message(
+    "Wrote {path}.", "Print it at 100 %: its line is 100 mm long. Lay it flat and level."
+)
+NO_PICTURES = Message("is not given.", "Give pictures, or --marker FILE.pdf for the sheet.")

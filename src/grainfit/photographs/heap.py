@@ -24,6 +24,7 @@ from grainfit.photographs.camera import (
     true_angle,
     up_from,
 )
+from grainfit.photographs.marker import MarkerSheet, find_marker_sheet
 from grainfit.photographs.pictures import Picture, opencv
 from grainfit.photographs.plate import Plate, find_plate
 from grainfit.photographs.separation import EDGE_LEVEL, Separated, separate
@@ -51,6 +52,10 @@ _PICTURE = 0.2
 #: A foot wider than the flanks by this factor is not theirs: a plate, or a shadow.
 _WIDER_FOOT = 1.3
 
+#: What tells the elevation of the camera, in words, and in a sentence.
+_SEEN_BY = {type(None): "by its foot", Plate: "by the plate", MarkerSheet: "by the marker sheet"}
+_TOLD_BY = {Plate: "the edge of the plate", MarkerSheet: "the marker sheet"}
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
@@ -70,10 +75,11 @@ class HeapInPicture:
     elevation, elevation_error : float
         Of the camera above the horizontal, seen from the apex, and its standard uncertainty,
         degrees.
-    plate : Plate or None
-        The plate, where it is seen.
+    plate : Plate, MarkerSheet or None
+        The plate or the sheet of markers, where it is seen.
     seen_by : str
-        What the elevation follows from: the plate, the foot of the heap, or what is given.
+        What the elevation follows from: the sheet, the plate, the foot of the heap, or what is
+        given.
     roll : float
         By which the picture was turned, degrees.
     silhouette : Silhouette
@@ -95,7 +101,7 @@ class HeapInPicture:
     parts: dict[str, float]
     elevation: float
     elevation_error: float
-    plate: Plate | None
+    plate: Plate | MarkerSheet | None
     seen_by: str
     roll: float
     silhouette: Silhouette
@@ -153,7 +159,7 @@ def measure_heap(
     usual = USUAL_FOCAL * max(picture.colours.shape[:2])
     focal = picture.focal or usual
     foot, error, plate = _seen_from(picture, mask, focal, elevation)
-    scale = _scale(plate, plate_diameter)
+    scale = _scale(plate, plate_diameter, foot, focal, mask)
     particle = diameter / scale if diameter and scale else None
     found = _angle(mask, focal, foot, particle)
     _require_flanks(found.angle, found.elevation, error)
@@ -182,7 +188,7 @@ def measure_heap(
         found.elevation,
         error,
         plate,
-        "given" if elevation is not None else "by its foot" if plate is None else "by the plate",
+        "given" if elevation is not None else _SEEN_BY[type(plate)],
         math.degrees(math.atan2(up[0], -up[1])),
         found.silhouette,
         found.view,
@@ -196,10 +202,10 @@ def measure_heap(
 
 def _seen_from(
     picture: Picture, mask: Mask, focal: float, stated: float | None
-) -> tuple[Foot, float, Plate | None]:
-    """Return the foot, the standard uncertainty of the elevation, degrees, and the plate.
+) -> tuple[Foot, float, Plate | MarkerSheet | None]:
+    """Return the foot, the standard uncertainty of the elevation, degrees, and sheet or plate.
 
-    Where the plate is seen, or the elevation is stated, the foot follows from it.
+    Where one of them is seen, or the elevation is stated, the foot follows from it.
     """
     rows, columns = mask.shape
     middle = ((columns - 1) / 2, (rows - 1) / 2)
@@ -207,12 +213,14 @@ def _seen_from(
     arc = _lower_edge(mask, particle)
     foot = foot_of(arc, focal, middle, particle)
     error = math.hypot(foot.error, _NO_CIRCLE)
-    plate = find_plate(picture.colours, mask, focal, middle)
+    plate: Plate | MarkerSheet | None = find_marker_sheet(picture.colours, focal, middle)
+    if plate is None:
+        plate = find_plate(picture.colours, mask, focal, middle)
     better = foot
     if plate is not None:
         better = foot_of(arc, focal, middle, particle, plate.up)
         spread = math.hypot(error, plate.error)
-        _require_agreement(foot.elevation, better.elevation, spread, "the edge of the plate")
+        _require_agreement(foot.elevation, better.elevation, spread, _TOLD_BY[type(plate)])
         error = plate.error
     if stated is not None:
         _require_agreement(better.elevation, stated, math.hypot(error, _STATED), "what is given")
@@ -222,8 +230,18 @@ def _seen_from(
     return better, error, plate
 
 
-def _scale(plate: Plate | None, plate_diameter: float | None) -> float | None:
+def _scale(
+    plate: Plate | MarkerSheet | None,
+    plate_diameter: float | None,
+    foot: Foot,
+    focal: float,
+    mask: Mask,
+) -> float | None:
     """Return the length of a pixel at the heap, m; None without a known length."""
+    if isinstance(plate, MarkerSheet):
+        rows, columns = mask.shape
+        towards = ray(focal, ((columns - 1) / 2, (rows - 1) / 2), foot.middle)
+        return plate.pixel_length(towards, focal)
     if plate_diameter is None:
         return None
     if plate is None:

@@ -51,7 +51,7 @@ def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int, size: int
     _line(draw, found.outline, _OUTLINE, width, closed=True)
     left, right, ground = found.drawn
     if found.plate is not None:
-        _line(draw, found.plate.ellipse, _PLATE, width, closed=True)
+        _line(draw, found.plate.edge, _PLATE, width, closed=True)
     _line(draw, ground, _PLATE, width)
     for flank, points, anchor in ((found.view.left, left, "rs"), (found.view.right, right, "ls")):
         if flank is None:

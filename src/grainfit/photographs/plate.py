@@ -41,8 +41,8 @@ class Plate:
         Upward direction in the axes of the camera.
     elevation, error : float
         Of the camera, seen from the middle of the plate, and its standard uncertainty, degrees.
-    ellipse : ndarray of shape (n, 2)
-        Its edge, columns and rows.
+    edge : ndarray of shape (n, 2)
+        Columns and rows.
     half_width : float
         Half its width in the picture, pixels.
     """
@@ -50,7 +50,7 @@ class Plate:
     up: Array
     elevation: float
     error: float
-    ellipse: Array
+    edge: Array
     half_width: float
 
 
@@ -80,8 +80,8 @@ def find_plate(
         plate = find_plate(colours, small, focal * factor, nearer)
         if plate is None:
             return None
-        ellipse = (plate.ellipse + 0.5) / factor - 0.5
-        return replace(plate, ellipse=ellipse, half_width=plate.half_width / factor)
+        edge = (plate.edge + 0.5) / factor - 0.5
+        return replace(plate, edge=edge, half_width=plate.half_width / factor)
     columns = np.flatnonzero(heap.any(axis=0))
     width = float(np.ptp(columns))
     size = max(3, 2 * round(0.012 * width) + 1)

@@ -8,18 +8,20 @@ from typing import Annotated, Literal
 import typer
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.consoles import err_remarks, out
+from grainfit.errors import InputError
 
 
 def photo(
     pictures: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Argument(
             metavar="PICTURE...",
             help="Pictures, each of a heap of its own; a folder has pictures of one heap.",
             show_default=False,
         ),
-    ],
+    ] = None,
     test: Annotated[
         Literal["heap", "funnel"], typer.Option(help="Test whose heap is photographed.")
     ] = "heap",
@@ -42,14 +44,27 @@ def photo(
     overlays: Annotated[
         Path, typer.Option(metavar="DIR", help="Where pictures with what was found are written.")
     ] = Path("overlays"),
+    marker: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.pdf", help="Write the sheet of markers to print, no more."),
+    ] = None,
 ) -> None:
     """Measure the angle of repose of heaps on photographs, as of simulated heaps.
 
     Look at the overlays: they show outline, plate and flanks as they were found.
-    A picture that cannot be measured is refused with the reason.
+    A picture that cannot be measured is refused with the reason. A printed sheet of markers
+    below the heap, or before it, tells how the camera was held and how long a pixel is.
 
     Example:  grainfit photo heap_*.jpg --plate "200 mm" --diameter "3 mm"
     """
+    if marker is not None:
+        from grainfit.photographs.marker import write_marker_sheet
+
+        write_marker_sheet(marker)
+        show.print_parts(out, (messages.MARKER_SHEET(path=marker),))
+        return
+    if not pictures:
+        raise InputError(messages.NO_PICTURES.fault("PICTURE"))
     with err_remarks.status("photographs"):
         from grainfit.photographs.photo import photo as measured
 
