@@ -106,6 +106,20 @@ def test_a_further_measurement_is_named_that_narrows_what_is_open() -> None:
     assert all(0 <= left <= 1 for one in found.further for left in one.left.values())
 
 
+def test_a_free_friction_of_walls_has_an_estimate_too() -> None:
+    wall = "particle_wall.rolling_friction"
+    fixed = {name: one for name, one in _without_frictions(MATERIAL).items() if name != wall}
+    problem = gf.Problem(
+        [*FRICTIONS, gf.Parameter(wall, 0.01, 0.5)],
+        [gf.Target("angle_of_repose", 25.0, uncertainty=1.0)],
+    )
+
+    found = estimate_of(problem, {"heap": gf.solvers.Lammps(HEAP, fixed)})
+
+    # What lies on a rough plate tells nothing of smooth walls.
+    assert found.parameters[2].is_open
+
+
 def test_a_target_out_of_reach_is_named() -> None:
     assert messages.OUT_OF_REACH.is_in(str(estimate_of(_of_angle(70.0, 0.5), _heaps())))
 

@@ -127,3 +127,17 @@ def test_a_range_gives_back_its_values(low: float, factor: float, power: float, 
     span = Range(low, low * factor, power)
 
     assert float(span.share(span.at(at))) == pytest.approx(at, abs=1e-6)
+
+
+def test_a_floor_without_a_friction_of_its_own_has_that_of_the_walls() -> None:
+    walls = {"particle_wall__sliding_friction": 0.35, "particle_wall__rolling_friction": 0.15}
+    material = _material(**walls)
+    plain = gf.tests.DrawDown(diameter="10 mm")
+    rough = replace(plain, floor_sliding_friction=0.6, floor_rolling_friction="particle_particle")
+
+    own = _reading(plain, **walls).inputs(material)
+    given = _reading(rough, **walls).inputs(material)
+
+    assert (own["floor_sliding_friction"], own["floor_rolling_friction"]) == (0.35, 0.15)
+    rolling = material["particle_particle.rolling_friction"]
+    assert (given["floor_sliding_friction"], given["floor_rolling_friction"]) == (0.6, rolling)

@@ -15,7 +15,7 @@ from grainfit.atlas.further import FurtherMeasurement, further_measurements
 from grainfit.atlas.shelf import Atlas, shipped_atlas
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import InputError
-from grainfit.formatting import duration, number, plain_ends, unit_for_people, with_unit
+from grainfit.formatting import duration, in_a_row, number, plain_ends, unit_for_people, with_unit
 from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.importance_sampling import (
     importance_sample,
@@ -196,8 +196,8 @@ class Estimate(Summary):
                 )
         if self.chance < 0.5:
             yield messages.MAY_FAIL(chance=100 * self.chance)
-        for name, why in self.untold.items():
-            yield messages.UNTOLD(response=name, why=why)
+        for names, why in _by_reason(self.untold):
+            yield messages.UNTOLD(responses=names, why=why)
         time = "" if self.seconds is None else f", {duration(self.seconds)} on one core"
         yield messages.TO_VERIFY(runs=self.runs, time=time)
 
@@ -235,7 +235,7 @@ def estimate_of(
     """
     forecast = Forecast(problem, solvers, atlas)
     if forecast.problem is None:
-        reasons = "; ".join(f"{name}: {why}" for name, why in forecast.untold.items())
+        reasons = "; ".join(f"{names}: {why}" for names, why in _by_reason(forecast.untold))
         raise InputError(messages.NOTHING_TOLD.fault("", reasons=reasons))
     likelihood = Likelihood(forecast.problem)
 
@@ -271,6 +271,12 @@ def estimate_of(
         points=sample.points,
         weights=weights,
     )
+
+
+def _by_reason(untold: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+    """Yield the targets that share a reason, with it."""
+    for why in dict.fromkeys(untold.values()):
+        yield in_a_row(name for name, own in untold.items() if own == why), why
 
 
 def _intervals(problem: Problem, points: Array, weights: Array) -> Iterator[EstimatedParameter]:

@@ -106,8 +106,20 @@ class Forecast:
         return np.column_stack(means), np.column_stack(variances)
 
     def scatter(self, points: ArrayLike) -> Array:
-        """Return standard deviations from run to run, shape (m, targets)."""
-        return np.column_stack([one.model.scatter(at) * unit for one, at, unit in self._at(points)])
+        """Return standard deviations from run to run, shape (m, targets).
+
+        Those that are recorded with the test where there are some: the rows are too few to tell
+        scatter from what they do not resolve.
+        """
+        means, _ = self.predict(points)
+        found = []
+        for column, (one, at, unit) in enumerate(self._at(points)):
+            recorded = one.reading.kind.responses[one.response].sensitivities
+            if recorded is not None and recorded.scatter > 0:
+                found.append(recorded.scatter * np.abs(means[:, column]))
+            else:
+                found.append(one.model.scatter(at) * unit)
+        return np.column_stack(found)
 
     def chance(self, points: ArrayLike) -> Array:
         """Return the chance that runs have all responses, shape (m,): the least of them."""

@@ -110,7 +110,8 @@ def _forecast(
     if not names:
         return None
     try:
-        apparatus = kind(solver.test.sizes, **options_for(kind, solver.material))
+        material = {**solver.material, **problem.middle}
+        apparatus = kind(solver.test.sizes, **options_for(kind, material))
         candidate = type(solver)(apparatus, solver.material)
         targets = [Target(name, 1.0, uncertainty=1.0) for name in names]
         return Forecast(Problem(problem.parameters, targets), {test: candidate}, atlas)

@@ -34,5 +34,5 @@ MAY_FAIL = Message(
     "A run there has all responses with a chance of {chance:.0f} % only: the others make no heap "
     "that can be measured."
 )
-UNTOLD = Message("{response} is left out: {why}.")
+UNTOLD = Message("Left out, {responses}: {why}.")
 TO_VERIFY = Message("A calibration verifies it with about {runs} runs of each test{time}.")

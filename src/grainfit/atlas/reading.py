@@ -10,12 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.atlas import messages
-from grainfit.atlas.inputs import MATERIAL, SIZE, STIFFNESS, apparatus, ranges_of, varied_of
+from grainfit.atlas.inputs import (
+    MATERIAL,
+    SIZE,
+    STIFFNESS,
+    WALL_ROLLING,
+    apparatus,
+    ranges_of,
+    varied_of,
+)
 from grainfit.atlas.surrogate import size_power_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, WALL_SLIDING
+from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.bulk_tests.stiffness import stiffness_number
 from grainfit.bulk_tests.varied_options import InAtlas
 from grainfit.contact_models.registry import contact_law
@@ -88,6 +97,7 @@ class Reading:
             **{name: material[name] for name in MATERIAL},
             STIFFNESS: stiffness_number(test, material),
             **self._apparatus,
+            **{name: _as_number(name, options[name], material) for name in varied.values},
             **{name: options[name] / weight for name in varied.loads},
         }
 
@@ -141,7 +151,7 @@ def _require_spheres_of_usual_law(
 
 
 def _apparatus_inputs(kind: type[BulkTest], test: BulkTest) -> dict[str, float]:
-    """Return the inputs of an apparatus; those of stresses stay 1 and are those of a material."""
+    """Return the inputs of an apparatus that no material changes."""
     varied = varied_of(kind)
     scale = Scale(test.sizes.sauter_diameter, 1.0, float(test.gravity))
     given = test.resolved_options()
@@ -155,11 +165,19 @@ def _apparatus_inputs(kind: type[BulkTest], test: BulkTest) -> dict[str, float]:
         usual[name] = given[name] / at_size[name]
     alike = apparatus(kind, usual, scale).resolved_options()
     for name, value in given.items():
-        if name not in varied.indifferent and not _is_same(value, alike[name]):
+        is_input = name in varied.values or name in varied.indifferent
+        if not is_input and not _is_same(value, alike[name]):
             raise NotInAtlasError(
                 messages.OTHER_OPTION(name=name, value=_shown(value), usual=_shown(alike[name]))
             )
-    return {name: value for name, value in usual.items() if name not in varied.loads}
+    return {name: usual[name] for name in (SIZE, *varied.factors)}
+
+
+def _as_number(name: str, value: Any, material: Mapping[str, Any]) -> Any:
+    """Return the value of an option; the friction of a part may be that of walls or particles."""
+    if value is None:
+        return material[WALL_SLIDING if "sliding" in name else WALL_ROLLING]
+    return material[ROLLING] if value == AS_PARTICLES else value
 
 
 def _is_same(one: Any, other: Any) -> bool:

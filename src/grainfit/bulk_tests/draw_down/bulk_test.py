@@ -103,6 +103,10 @@ class DrawDown(BulkTest):
         "width",
         Range(0.75, 1.2, power=-1),
         factors={"slot_width": Range(0.9, 1.6), "fill_height": Range(0.7, 1.3)},
+        values={
+            "floor_sliding_friction": Range(0.1, 1.0),
+            "floor_rolling_friction": Range(0.05, 1.0, power=0),
+        },
         wider={"floor_half_width": 2.0},
         indifferent=(
             "shelf_thickness",
