@@ -13,6 +13,7 @@ import grainfit as gf
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
 from grainfit.atlas.growing import grow, made
+from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas, publish
 from grainfit.bulk_tests.registry import bulk_tests
@@ -128,6 +129,20 @@ def test_the_chance_of_a_heap_falls_with_the_rolling_friction() -> None:
     low, high = model.chance_at(points)
 
     assert low < 0.5 < high
+
+
+def test_beyond_the_rows_the_error_grows_with_what_the_trend_adds() -> None:
+    surrogate = Atlas().of_test("packing")
+    assert surrogate is not None
+    model = surrogate.models["bulk_density"]
+    points = np.full((3, model.kriging.d), 0.5)
+    size = list(ranges_of(bulk_tests()["packing"])).index(SIZE)
+    points[:, size] = (0.9, 1.0, 2.0)
+
+    mean, variance = model.predict(points)
+
+    assert mean[1] < mean[2]
+    assert variance[2] > max(variance[:2]) + (0.4 * (mean[2] - mean[1])) ** 2
 
 
 def test_a_row_survives_its_text() -> None:

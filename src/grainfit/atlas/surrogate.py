@@ -24,6 +24,8 @@ _WIDE = 2.0
 _ANGLE = "deg"
 #: Sets of hyperparameters that are kept: more change predictions by less than their errors.
 _SETS = 3
+#: Standard uncertainty of what a trend adds beyond the rows, over it.
+_UNSURE_FORM = 0.5
 #: Least and largest chance that a run has a response.
 _LEAST, _MOST = 0.02, 0.98
 
@@ -89,9 +91,18 @@ class ResponseModel:
         return cls(kriging, is_logarithm, chance, float(plain["inflation"]))
 
     def predict(self, points: Array) -> tuple[Array, Array]:
-        """Return means and variances of the expected response, each of shape (m,)."""
+        """Return means and variances of the expected response, each of shape (m,).
+
+        Beyond the rows, a part of what the trend adds is as uncertain as its form.
+        """
         found = self.kriging.predict(points)
-        return self._in_units(found.mean, self.inflation * found.variance_of_mean)
+        variance = self.inflation * found.variance_of_mean
+        inside = np.clip(points, 0.0, 1.0)
+        beyond = (inside != points).any(axis=1)
+        if beyond.any():
+            added = found.mean[beyond] - self.kriging.mean(inside[beyond])
+            variance[beyond] += (_UNSURE_FORM * added) ** 2
+        return self._in_units(found.mean, variance)
 
     def scatter(self, points: Array) -> Array:
         """Return the standard deviation from run to run, shape (m,)."""
