@@ -21,7 +21,13 @@ import numpy as np
 from grainfit.atlas.inputs import ranges_of
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas
-from grainfit.atlas.surrogate import FEWEST_ROWS, ResponseModel, Surrogate, points_of, size_power_of
+from grainfit.atlas.surrogate import (
+    FEWEST_ROWS,
+    ResponseModel,
+    Surrogate,
+    points_of,
+    row_values,
+)
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import number
@@ -36,33 +42,48 @@ def table(folder: Path, tests: Sequence[str], counts: Sequence[int]) -> Iterator
     yield "|---" * 7 + "|"
     for name in tests:
         kind, rows = bulk_tests()[name], rows_in(folder / f"{name}.jsonl")
-        for response in kind.responses:
-            for count in [*(c for c in counts if c < len(rows)), len(rows)]:
-                found = _errors(kind, response, rows, count)
+        every = Surrogate(kind, rows)
+        splits = {count: _splits(kind, rows, count) for count in counts if count < len(rows)}
+        splits[len(rows)] = _splits(kind, rows, len(rows))
+        for response, model in every.models.items():
+            scatter = model.scatter(points_of(rows, ranges_of(kind)))
+            for count, parts in splits.items():
+                found = _errors(kind, response, parts, float(np.sqrt(np.mean(scatter**2))))
                 if found is not None:
                     yield f"| {name} | {response} | {count} | {found} |"
 
 
-def _errors(kind: type[BulkTest], response: str, rows: Sequence[Row], count: int) -> str | None:
+def _splits(
+    kind: type[BulkTest], rows: Sequence[Row], count: int
+) -> list[tuple[Surrogate, Sequence[Row]]]:
+    """Return what so many rows tell, with the rows that were left out."""
+    if count < len(rows):
+        return [(Surrogate(kind, rows[:count]), rows[count:])]
+    # Every fourth point of a Sobol' sequence lies in the same part of the cube: no such folds.
+    fold_of = np.random.default_rng(1).permutation(len(rows)) % _FOLDS
+    return [
+        (
+            Surrogate(kind, [row for row, own in zip(rows, fold_of, strict=True) if own != fold]),
+            [row for row, own in zip(rows, fold_of, strict=True) if own == fold],
+        )
+        for fold in range(_FOLDS)
+    ]
+
+
+def _errors(
+    kind: type[BulkTest],
+    response: str,
+    splits: Sequence[tuple[Surrogate, Sequence[Row]]],
+    scatter: float,
+) -> str | None:
     """Return the cells of a response, None with too few rows."""
-    splits = [(rows[:count], rows[count:])]
-    if count == len(rows):
-        # Every fourth point of a Sobol' sequence lies in the same part of the cube: no such folds.
-        fold_of = np.random.default_rng(1).permutation(len(rows)) % _FOLDS
-        splits = [
-            (
-                [row for row, own in zip(rows, fold_of, strict=True) if own != fold],
-                [row for row, own in zip(rows, fold_of, strict=True) if own == fold],
-            )
-            for fold in range(_FOLDS)
-        ]
     off, expected, values = [], [], []
     for used, left_out in splits:
         others = [row for row in left_out if response in row.responses]
-        model = Surrogate(kind, used).models.get(response)
+        model = used.models.get(response)
         if model is None or len(others) < _FEWEST_LEFT_OUT:
             continue
-        found = _values(kind, response, others)
+        found, _ = row_values(kind, response, others)
         mean, deviation = _of_a_run(model, points_of(others, ranges_of(kind)))
         off.append(mean - found)
         expected.append(deviation)
@@ -72,25 +93,13 @@ def _errors(kind: type[BulkTest], response: str, rows: Sequence[Row], count: int
     errors, deviations, all_values = (np.concatenate(one) for one in (off, expected, values))
     rmse = float(np.sqrt(np.mean(errors**2)))
     inside = float(np.mean(np.abs(errors) <= 1.96 * deviations))
-    scatter = float(np.sqrt(np.mean(model_scatter(kind, response, rows) ** 2)))
     q2 = 1 - rmse**2 / float(np.var(all_values))
     return " | ".join([number(rmse, 3), number(scatter, 3), number(q2, 3), f"{100 * inside:.0f}"])
-
-
-def model_scatter(kind: type[BulkTest], response: str, rows: Sequence[Row]) -> np.ndarray:
-    """Return the scatter of runs as all rows tell it, at the rows."""
-    model = Surrogate(kind, rows).models[response]
-    return model.scatter(points_of(rows, ranges_of(kind)))
 
 
 def _of_a_run(model: ResponseModel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     mean, variance = model.predict(points)
     return mean, np.sqrt(variance + model.scatter(points) ** 2)
-
-
-def _values(kind: type[BulkTest], response: str, rows: Sequence[Row]) -> np.ndarray:
-    power = size_power_of(kind, response)
-    return np.array([row.responses[response][0] / row.inputs["size"] ** power for row in rows])
 
 
 def main() -> None:

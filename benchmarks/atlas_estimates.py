@@ -28,10 +28,11 @@ from grainfit.atlas.estimate import Estimate, estimate_of
 from grainfit.atlas.inputs import MATERIAL, ROW_SCALE, ranges_of, simulated
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas, publish
-from grainfit.atlas.surrogate import points_of, size_power_of
+from grainfit.atlas.surrogate import points_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.sensitivities import DENSITY, ROLLING, SLIDING
+from grainfit.bulk_tests.size import size_power
 from grainfit.errors import InputError
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -81,6 +82,7 @@ def table(folder: Path, tests: Sequence[str]) -> Iterator[str]:
 
 
 def atlas_of(kind: type[BulkTest], rows: Sequence[Row], folder: Path) -> Atlas:
+    """Return an atlas of some rows of a test, published in an empty folder."""
     (folder / "rows").mkdir()
     (folder / "atlas").mkdir()
     text = "".join(f"{row.to_text()}\n" for row in rows)
@@ -109,7 +111,7 @@ def _estimate(
     targets = []
     for name, (value, _) in row.responses.items():
         unit = ROW_SCALE.of(kind.responses[name].unit)
-        grown = row.inputs["size"] ** size_power_of(kind, name)
+        grown = row.inputs["size"] ** (size_power(kind, name) or 0.0)
         scatter = float(surrogate.models[name].scatter(at)[0]) * unit * grown
         measured = 1.0 if kind.responses[name].unit == "deg" else 0.01 * value * unit
         error = math.hypot(scatter, measured)

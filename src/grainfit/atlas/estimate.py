@@ -34,7 +34,7 @@ _SHARES = (0.025, 0.5, 0.975)
 #: An interval that keeps this share of the given one leaves a parameter open.
 _OPEN = 0.5
 #: Of intervals in which a search begins: their width over that of the estimate, the least one.
-_WIDER, _NARROWEST, _HALF = 1.5, 0.2, 0.5
+_WIDER, _NARROWEST = 1.5, 0.2
 #: Width of an interval over the present one below which a measurement is worth naming, and points
 #: of the sample that show it.
 _NARROWS, _REPRESENTATIVES = 0.85, 400
@@ -66,10 +66,9 @@ class EstimatedParameter:
     def expected_interval(self) -> tuple[float, float]:
         """The 95 % interval half as wide again, and no narrower than a part of the given one."""
         low, high = (self.parameter.to_unit(end) for end in (self.low, self.high))
-        half = max(_WIDER * (high - low), _NARROWEST) / 2
-        middle = min(max((low + high) / 2, half), 1 - half) if half < _HALF else _HALF
-        ends = max(middle - half, 0.0), min(middle + half, 1.0)
-        return self.parameter.from_unit(ends[0]), self.parameter.from_unit(ends[1])
+        half = min(max(_WIDER * (high - low), _NARROWEST), 1.0) / 2
+        middle = min(max((low + high) / 2, half), 1 - half)
+        return self.parameter.from_unit(middle - half), self.parameter.from_unit(middle + half)
 
 
 @dataclass(frozen=True)

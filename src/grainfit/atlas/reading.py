@@ -19,12 +19,12 @@ from grainfit.atlas.inputs import (
     ranges_of,
     varied_of,
 )
-from grainfit.atlas.surrogate import size_power_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, WALL_SLIDING
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
+from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.stiffness import stiffness_number
 from grainfit.bulk_tests.varied_options import InAtlas
 from grainfit.contact_models.registry import contact_law
@@ -106,7 +106,7 @@ class Reading:
         unit = self.kind.responses[response].unit
         density: Any = values.get(DENSITY, np.asarray(self._material[DENSITY]))
         scale = Scale(self.test.sizes.sauter_diameter, 1.0, float(self.test.gravity))
-        grown = self._apparatus[SIZE] ** size_power_of(self.kind, response)
+        grown = self._apparatus[SIZE] ** (size_power(self.kind, response) or 0.0)
         return np.asarray(grown * scale.of(unit) * density ** powers(unit)[0])
 
     def require_inside(self, parameters: Mapping[str, float]) -> None:

@@ -69,7 +69,7 @@ class Atlas:
         return self._read[name]
 
     def faults(self) -> Iterator[str]:
-        """Yield why tests of which it has rows tell nothing."""
+        """Yield the tests of which it has rows that tell nothing."""
         for name in self.tests:
             if self.of_test(name) is None:
                 yield name

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.varied_options import Range
 from grainfit.metamodels.kriging import Kriging
 
@@ -57,7 +58,7 @@ class ResponseModel:
     ) -> ResponseModel:
         """Fit the metamodel of a response to rows at points of the unit cube."""
         has = _has(name, rows)
-        values, errors = _values(kind, name, rows)
+        values, errors = row_values(kind, name, rows)
         is_wide = bool(values.min() > 0 and values.max() > _WIDE * values.min())
         is_logarithm = is_wide and kind.responses[name].unit != _ANGLE
         if is_logarithm:
@@ -84,7 +85,7 @@ class ResponseModel:
         KeyError, TypeError, ValueError
             The data belongs to other rows.
         """
-        values, _ = _values(kind, name, rows)
+        values, _ = row_values(kind, name, rows)
         is_logarithm = bool(plain["is_logarithm"])
         values = np.log(values) if is_logarithm else values
         kriging = Kriging.from_plain(plain["kriging"], points[_has(name, rows)], values)
@@ -191,19 +192,13 @@ class Surrogate:
         }
 
 
-def size_power_of(kind: type[BulkTest], response: str) -> float:
-    """Return the power of the size that a response follows by itself, 0 for most."""
-    powers = getattr(kind, "size_powers", {})
-    return float(powers.get(response) or 0.0) if isinstance(powers, Mapping) else 0.0
-
-
 def _has(name: str, rows: Sequence[Row]) -> NDArray[np.bool_]:
     return np.array([name in row.responses for row in rows])
 
 
-def _values(kind: type[BulkTest], name: str, rows: Sequence[Row]) -> tuple[Array, Array]:
+def row_values(kind: type[BulkTest], name: str, rows: Sequence[Row]) -> tuple[Array, Array]:
     """Return values and standard errors of a response, without what the size does by itself."""
-    power = size_power_of(kind, name)
+    power = size_power(kind, name) or 0.0
     found = [
         np.array(row.responses[name]) / row.inputs[SIZE] ** power
         for row in rows

@@ -6,12 +6,12 @@ from typing import Any
 
 from grainfit.atlas.inputs import ranges_of, varied_of
 from grainfit.atlas.shelf import Atlas
-from grainfit.atlas.surrogate import ResponseModel, Surrogate, size_power_of
+from grainfit.atlas.surrogate import ResponseModel, Surrogate
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.size import size_power
 from grainfit.formatting import unit_for_people
-from grainfit.metamodels.kriging import Kriging
 from grainfit.report.package_page import package_page
 from grainfit.report.page import element_text, page_part
 from grainfit.report.rendering import script_json
@@ -78,13 +78,9 @@ def _response(kind: type[BulkTest], name: str, model: ResponseModel) -> dict[str
         "name": name.replace("_", " "),
         "unit": unit_for_people(unit),
         "powers": powers(unit),
-        "size_power": size_power_of(kind, name),
+        "size_power": size_power(kind, name) or 0.0,
         "is_logarithm": model.is_logarithm,
         "inflation": model.inflation,
-        "model": _plain(model.kriging),
-        "chance": _plain(model.chance),
+        "model": model.kriging.to_plain(factors=False),
+        "chance": model.chance.to_plain(factors=False),
     }
-
-
-def _plain(kriging: Kriging) -> dict[str, Any]:
-    return kriging.to_plain(factors=False)

@@ -3,19 +3,39 @@
 from __future__ import annotations
 
 import math
-import tempfile
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from grainfit.atlas.estimate import Estimate, estimate_of
+from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.sensitivities import DENSITY as PARTICLE_DENSITY
+from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.errors import Fault, InputError
+from grainfit.problem import Parameter, Problem, Target
+from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.units import UnitError, to_unit
 from grainfit.work_folder import messages
 
 #: Bulk over particle density of poured beds: between very loose and dense.
 _LOOSE, _DENSE = 0.5, 0.65
 _DENSITY = "kg/m^3"
+#: Walls of steel, and restitutions and stiffness that are usual.
+_USUAL: Mapping[str, float] = {
+    "particle.youngs_modulus": 10e6,
+    "particle.poissons_ratio": 0.3,
+    "wall.youngs_modulus": 211e9,
+    "wall.poissons_ratio": 0.3,
+    "wall.density": 7700.0,
+    "particle_particle.restitution": 0.5,
+    "particle_particle.rolling_damping": 0.0,
+    "particle_wall.sliding_friction": 0.3,
+    "particle_wall.rolling_friction": 0.05,
+    "particle_wall.restitution": 0.5,
+    "particle_wall.rolling_damping": 0.0,
+}
 
 
 def estimate(source: str | Path | CalibrationSetup, *, seed: int = 1) -> Estimate:
@@ -76,28 +96,25 @@ def estimate_of_heap(
     if not (density or bulk_density):
         raise InputError(messages.NO_DENSITY.fault("--density"))
     bulk = _read("--bulk-density", bulk_density, _DENSITY)
-    of_particles = (
-        f'"{_read("--density", density, _DENSITY)} kg/m^3"'
-        if density
-        else f'{{ min = "{bulk / _DENSE:.4g} kg/m^3", max = "{bulk / _LOOSE:.4g} kg/m^3" }}'
+    measured = (
+        ("bulk_density", bulk, _DENSITY, "1 %"),
+        ("angle_of_repose", _read("--angle", angle, "deg"), "deg", "1 deg"),
     )
-    measured = {
-        "bulk_density": (bulk, _DENSITY, "1 %"),
-        "angle_of_repose": (_read("--angle", angle, "deg"), "deg", "1 deg"),
-    }
-    text = _HEAP.format(
-        diameter=_read("--diameter", diameter, "m"),
-        density=of_particles,
-        targets="\n".join(
-            f'targets.{name} = {{ value = "{value} {unit}", uncertainty = "{error}" }}'
-            for name, (value, unit, error) in measured.items()
-            if value
-        ),
-    )
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "heap.toml"
-        path.write_text(text, encoding="utf-8")
-        return estimate(path)
+    targets = [
+        Target(name, value, uncertainty=error, unit=unit)  # type: ignore[arg-type]
+        for name, value, unit, error in measured
+        if value
+    ]
+    free = [Parameter(SLIDING, 0.05, 1.0), Parameter(ROLLING, 0.01, 1.0)]
+    material = dict(_USUAL)
+    if density:
+        material[PARTICLE_DENSITY] = _read("--density", density, _DENSITY)
+    else:
+        ends = bulk / _DENSE, bulk / _LOOSE
+        free.insert(0, Parameter(PARTICLE_DENSITY, *ends, unit=_DENSITY))
+    rough: dict[str, Any] = Heap.options_for({})
+    test = Heap(diameter=_read("--diameter", diameter, "m"), **rough)
+    return estimate_of(Problem(free, targets), {Heap.type: Lammps(test, material)})
 
 
 def _read(key: str, text: str, unit: str) -> float:
@@ -117,32 +134,3 @@ def _is_number(text: str) -> bool:
     with suppress(ValueError):
         return math.isfinite(float(text))
     return False
-
-
-_HEAP = """name = "heap"
-[particle]
-diameter = "{diameter} m"
-youngs_modulus = "10 MPa"
-poissons_ratio = 0.3
-density = {density}
-[wall]
-youngs_modulus = "211 GPa"
-poissons_ratio = 0.3
-density = "7700 kg/m^3"
-[particle_particle]
-sliding_friction = {{ min = 0.05, max = 1.0 }}
-rolling_friction = {{ min = 0.01, max = 1.0 }}
-restitution = 0.5
-rolling_damping = 0.0
-[particle_wall]
-sliding_friction = 0.3
-rolling_friction = 0.05
-restitution = 0.5
-rolling_damping = 0.0
-[[test]]
-type = "heap"
-solver = "lammps"
-plate_sliding_friction = 0.5
-plate_rolling_friction = "particle_particle"
-{targets}
-"""
