@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import grainfit as gf
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
 from grainfit.atlas.growing import grow, made
-from grainfit.atlas.inputs import SIZE, ranges_of
+from grainfit.atlas.inputs import SIZE, is_of_today, ranges_of
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas, publish
 from grainfit.bulk_tests.registry import bulk_tests
@@ -29,6 +30,25 @@ def test_the_shipped_atlas_is_whole_and_small_enough_for_the_wheel() -> None:
     assert {"heap", "packing"} <= set(atlas.tests)
     assert list(atlas.faults()) == []
     assert sum(path.stat().st_size for path in SHIPPED.iterdir()) < LARGEST
+
+
+@pytest.mark.parametrize("name", Atlas().tests)
+def test_shipped_rows_were_simulated_in_the_apparatus_that_their_inputs_mean(name: str) -> None:
+    rows = rows_in(SHIPPED / f"{name}.jsonl")
+
+    assert [row.number for row in rows if not is_of_today(bulk_tests()[name], row)] == []
+
+
+def test_rows_of_another_apparatus_are_not_published(tmp_path: Path) -> None:
+    rows = rows_in(SHIPPED / "packing.jsonl")
+    other = replace(rows[0], inputs={**rows[0].inputs, "fill_height": 1.01})
+    text = "".join(f"{row.to_text()}\n" for row in [other, *rows[1:]])
+    (tmp_path / "packing.jsonl").write_text(text)
+    (tmp_path / "published").mkdir()
+
+    assert list(publish(tmp_path, tmp_path / "published")) == [
+        f"packing: {len(rows) - 1} rows, 1 responses"
+    ]
 
 
 @pytest.mark.slow
@@ -146,6 +166,6 @@ def test_beyond_the_rows_the_error_grows_with_what_the_trend_adds() -> None:
 
 
 def test_a_row_survives_its_text() -> None:
-    row = Row(3, 4, {"size": 1.0}, {"bulk_density": (0.6, 0.01)}, "", 1.5, "LAMMPS 1")
+    row = Row(3, 4, {"size": 1.0}, "0a1b", {"bulk_density": (0.6, 0.01)}, "", 1.5, "LAMMPS 1")
 
     assert Row.from_plain(json.loads(row.to_text())) == row

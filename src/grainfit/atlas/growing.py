@@ -12,7 +12,7 @@ from pathlib import Path
 
 from scipy.stats import qmc
 
-from grainfit.atlas.inputs import ROW_SCALE, ranges_of, simulated
+from grainfit.atlas.inputs import ROW_SCALE, identity_of_row, is_of_today, ranges_of, simulated
 from grainfit.atlas.row import Row, rows_in
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import GrainfitError
@@ -48,12 +48,12 @@ def point(kind: type[BulkTest], number: int) -> dict[str, float]:
 def made(kind: type[BulkTest], number: int) -> Row:
     """Simulate a row of the atlas."""
     inputs, seed = point(kind, number), number + 1
-    row = partial(Row, number, seed, inputs)
     try:
         test, material = simulated(kind, inputs)
         solver = Lammps(test, material)
     except GrainfitError as error:
-        return row({}, str(error), 0.0, "")
+        return Row(number, seed, inputs, "", {}, str(error), 0.0, "")
+    row = partial(Row, number, seed, inputs, identity_of_row(kind, inputs))
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     found, why = {}, ""
     with tempfile.TemporaryDirectory() as folder:
@@ -87,7 +87,7 @@ def grow(kind: type[BulkTest], path: Path, count: int, processes: int = 1) -> It
     processes : int
         Runs at a time.
     """
-    known = {row.number for row in rows_in(path)}
+    known = {row.number for row in rows_in(path) if is_of_today(kind, row)}
     missing = [number for number in range(count) if number not in known]
     with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
         # A line that was cut off must not swallow the next one.

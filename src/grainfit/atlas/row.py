@@ -21,6 +21,8 @@ class Row:
         Of the packing.
     inputs : mapping of str to float
         Dimensionless numbers by name.
+    test : str
+        Hash of the simulated test: another one today has other dimensions at these inputs.
     responses : mapping of str to tuple of float
         Value and standard error by response, in natural units, angles in degrees; a response that
         could not be measured is not in it.
@@ -35,6 +37,7 @@ class Row:
     number: int
     seed: int
     inputs: Mapping[str, float]
+    test: str
     responses: Mapping[str, tuple[float, float]]
     why: str
     seconds: float

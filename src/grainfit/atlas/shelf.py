@@ -9,6 +9,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
+from grainfit.atlas.inputs import is_of_today
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate
 from grainfit.bulk_tests.base import BulkTest
@@ -94,6 +95,8 @@ def shipped_atlas() -> Atlas:
 def publish(source: Path, folder: Path) -> Iterator[str]:
     """Fit the metamodels to the rows of a folder and write both into another, and yield the tests.
 
+    Rows of an apparatus that their inputs do not mean any more are left out.
+
     Parameters
     ----------
     source : Path
@@ -103,7 +106,7 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
     """
     contents: dict[str, Any] = {}
     for name, kind in bulk_tests().items():
-        rows = rows_in(_rows(source, name))
+        rows = [row for row in rows_in(_rows(source, name)) if is_of_today(kind, row)]
         if not isinstance(kind, InAtlas) or len(rows) < FEWEST_ROWS:
             continue
         surrogate = Surrogate(kind, rows)
