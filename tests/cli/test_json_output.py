@@ -77,6 +77,15 @@ def test_status_document_has_progress_and_values(sand: Path) -> None:
     assert found["low"] < found["value"] < found["high"]
 
 
+def test_estimate_document_says_that_nothing_was_simulated(tmp_path: Path) -> None:
+    heap = ("--diameter", "3mm", "--bulk-density", "540", "--angle", "34deg")
+    found = document(tmp_path, "estimate", *heap)
+    assert found["status"] == "estimate: not simulated"
+    density = found["parameters"]["particle.density"]
+    assert density["low"] < density["value"] < density["high"]
+    assert found["responses"]["angle_of_repose"]["measured"] == {"value": 34.0, "tolerance": 1.0}
+
+
 def test_result_document_is_the_result_file(sand: Path) -> None:
     result = document(sand, "result", "sand.grainfit")
     assert result["result"] == json.loads((sand / "sand.grainfit" / "result.json").read_text())

@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -17,11 +17,15 @@ from watched_runs import NAME, calibration, go, run, served, wait_for
 
 import grainfit as gf
 from benchmarks import campaigns
+from grainfit.atlas import messages as atlas_messages
+from grainfit.bulk_tests.sensitivities import ROLLING
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import hold
 from grainfit.report import verdict_messages
+from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from grainfit.watch import follower, messages
 from grainfit.watch.state import read_folder, state_of
 from grainfit.watch.stopping import CannotStopError, stop_calibration, why_not_to_be_stopped
@@ -319,3 +323,47 @@ def test_a_fault_while_reading_is_shown_and_survived(
         assert "runs.sqlite" in now(server.follower)["verdict"]["details"][0]
         store.write_bytes(content)
         wait_for(lambda: now(server.follower)["state"] == "interrupted", 10)
+
+
+class QuickHeap(Lammps):
+    """A heap of LAMMPS whose runs end at once."""
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: gf.Workspace
+    ) -> dict[str, gf.Response]:
+        """Return an angle."""
+        del seed, workspace
+        return {"angle_of_repose": gf.Response(15 + 20 * parameters[ROLLING])}
+
+
+def test_before_the_first_results_the_page_has_the_estimate_and_says_what_it_is(
+    tmp_path: Path,
+) -> None:
+    damped = ("particle_particle.rolling_damping", "particle_wall.rolling_damping")
+    material = {**ROUGH_SPHERES, **dict.fromkeys(damped, 0.0)}
+    fixed = {name: value for name, value in material.items() if name != ROLLING}
+    heap = QuickHeap(gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE), fixed)
+    problem = gf.Problem(
+        [gf.Parameter(ROLLING, 0.05, 1.0)], [gf.Target("angle_of_repose", 25.0, uncertainty=1.0)]
+    )
+    details: list[str] = []
+
+    def look(progress: gf.Progress) -> None:
+        if not progress.evaluations or details:
+            return
+        following = follower.Follower(tmp_path)
+        following.start()
+        with following.watching():
+            wait_for(lambda: len(now(following)["verdict"]["details"]) > 1)
+            details.extend(now(following)["verdict"]["details"])
+        following.end()
+        raise KeyboardInterrupt
+
+    gf.calibrate(problem, {"heap": heap}, workdir=tmp_path, on_progress=look)
+
+    assert verdict_messages.TOO_FEW_RUNS.is_in(details[0])
+    assert atlas_messages.NOT_SIMULATED.is_in(details[1])
+    assert "no calibration" in details[1]
+    assert details[2].startswith(f"{ROLLING}: ")
+    # With a result there is none.
+    assert not any(map(atlas_messages.NOT_SIMULATED.is_in, state(tmp_path)["verdict"]["details"]))

@@ -161,6 +161,13 @@ class Estimate(Summary):
             *self._sentences(),
         )
 
+    def lines(self) -> Iterator[str]:
+        """Yield in a sentence each that nothing was simulated, and every parameter."""
+        yield messages.NOT_SIMULATED()
+        for one in self.parameters:
+            name, value, interval, _ = self._parameter_row(one)
+            yield messages.ESTIMATED(name=name, value=value, interval=interval)
+
     def most_telling(self, name: str) -> FurtherMeasurement | None:
         """Return the further measurement that narrows a parameter most; None if none does."""
         best = min(self.further, key=lambda one: one.left[name], default=None)

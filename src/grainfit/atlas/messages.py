@@ -23,6 +23,7 @@ NOTHING_TOLD = Message(
 NOT_SIMULATED = Message(
     "Estimate by the atlas: not simulated. It is no calibration: 'grainfit run' verifies it."
 )
+ESTIMATED = Message("{name}: {value}, 95 % interval {interval}.")
 ERRORS = Message("± standard error of the atlas; of measured values, the tolerance")
 OUT_OF_REACH = Message("{response}: no parameters within the intervals give the measured value.")
 OPEN = Message("The targets leave open: {names}.")

@@ -26,6 +26,7 @@ from grainfit.calibration.twins import Twins
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.keep import Keep
+from grainfit.campaign.near_runs import take_near_runs
 from grainfit.campaign.reuse import needed_responses, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.source import open_source
@@ -69,6 +70,7 @@ def calibrate(
     runs_from: str | Path | Sequence[str | Path] = (),
     store: str | None = None,
     keep: Keep = "all",
+    near_runs: bool = True,
     retry_failed: bool = False,
     provenance: Provenance | None = None,
     on_progress: Callable[[Progress], None] | None = None,
@@ -125,6 +127,9 @@ def calibrate(
         ``postgresql+psycopg://user@host/database``: no process repeats a run of another.
     keep : {"all", "results"}
         Files of a finished run that are kept: all, or only its record, logs and pictures.
+    near_runs : bool
+        Let runs of near problems guide the search: those of the same bulk test whose fixed
+        parameters and apparatus differ by at most a fifth. No verdict rests on them.
     retry_failed : bool
         Repeat all failed runs of the work folder. By default only those that failed because of the
         machine or a time-out are repeated; others would fail again.
@@ -192,7 +197,14 @@ def calibrate(
     with ExitStack() as stack:
         show = stack.enter_context(_shown(on_progress)) if progress else on_progress
         options = LoopOptions(
-            name, workers, max_runs, verification_runs, show, provenance, twins=twins
+            name,
+            workers,
+            max_runs,
+            verification_runs,
+            show,
+            provenance,
+            twins=twins,
+            near_runs=near_runs,
         )
         # Metamodels are small; threads of linear algebra would only take cores from the solvers.
         stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
@@ -208,10 +220,14 @@ def calibrate(
         for source in [runs_from] if isinstance(runs_from, str | Path) else runs_from:
             with open_source(source) as other:
                 take_runs(other, problem, {**solvers, **cheaper}, runs)
+                if near_runs and chosen.uses_relatives:
+                    take_near_runs(other, problem, solvers, runs, seed)
         shared = None
         if store is not None:
             shared = stack.enter_context(share(store, folder, runs))
             shared.patiently(lambda other: take_runs(other, problem, solvers, runs))
+            if near_runs and chosen.uses_relatives:
+                shared.patiently(lambda other: take_near_runs(other, problem, solvers, runs, seed))
         if retry_failed:
             _forget_failed(runs, shared)
         limits = default_timeouts(problem, {**solvers, **cheaper}) | dict(timeouts or {})

@@ -27,8 +27,9 @@ from grainfit.calibration.twins import Twins
 from grainfit.calibration.warm_start import warm_start
 from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
 from grainfit.campaign.campaign import Campaign
+from grainfit.campaign.near_runs import NearRuns, near_records, near_runs
 from grainfit.campaign.reuse import models_of, runs_of
-from grainfit.campaign.store.records import RequestRecord
+from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
@@ -65,6 +66,7 @@ class LoopOptions:
     provenance: Provenance | None = None
     live_file: LiveFile | None = None
     twins: Twins | None = None
+    near_runs: bool = True
 
 
 class CalibrationLoop:
@@ -94,6 +96,8 @@ class CalibrationLoop:
         self._known: Sequence[Evaluation] = ()
         #: Number of runs of the warm start, by their source.
         self._origins: Mapping[str, int] = {}
+        #: Runs of near problems.
+        self._near = NearRuns()
         #: How often fresh seeds have been judged.
         self._looks = 0
         #: Numbers of the runs of the verification by their seeds.
@@ -119,6 +123,7 @@ class CalibrationLoop:
         else:
             records = list(self._store.find_many(earlier.known).values())
         campaign = self._campaign
+        self._near = self._near_runs(None if earlier is None else records)
         known = runs_of(self._problem, campaign.solvers, records, campaign.repeats)
         for name, solver in campaign.relatives.items():
             single = replace(self._problem, tests=())
@@ -127,6 +132,17 @@ class CalibrationLoop:
         used = {run for evaluation in chosen for run in evaluation.runs.values()}
         self._origins = Counter(record.origin for record in records if record.identity in used)
         return chosen
+
+    def _near_runs(self, recorded: Sequence[RunRecord] | None) -> NearRuns:
+        """Return the runs of near problems: those of the first start, or of the store."""
+        strategy = self._strategy
+        if not self._options.near_runs or not strategy.strategy.uses_relatives:
+            return NearRuns()
+        with_relatives = {one.of for one in strategy.problem.relatives}
+        solvers = {n: s for n, s in self._campaign.solvers.items() if n not in with_relatives}
+        if recorded is None:
+            recorded = near_records(self._store, self._problem, solvers)
+        return near_runs(self._problem, solvers, recorded, strategy.seed)
 
     def _define(self) -> dict[str, Any]:
         # Another input deck or solver version makes another calibration: the requests of the old
@@ -142,6 +158,7 @@ class CalibrationLoop:
             "options": self._strategy.definition,
             **self._rayleigh(),
             **self._relatives(),
+            **({} if self._options.near_runs else {"near_runs": False}),
             **({"ratios": dict(problem.ratios)} if problem.ratios else {}),
             **({"correlations": list(problem.correlations)} if problem.correlations else {}),
             **({"expected": dict(problem.expected)} if problem.expected else {}),
@@ -166,6 +183,7 @@ class CalibrationLoop:
     def _about(self, known: Sequence[Evaluation]) -> dict[str, Any]:
         return {
             "learnt": [{**asdict(one.proposal), "runs": dict(one.runs)} for one in known],
+            "near": self._near.notice,
             "version": version("grainfit"),
             "workers": self._options.workers,
             "max_runs": self._options.max_runs,
@@ -203,9 +221,13 @@ class CalibrationLoop:
         self._recorded.extend(self._requests_of_earlier_starts())
         known = self._known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
+        runs += self._near.identities
         self._store.begin_calibration(
             self._identity, self._options.name, self._definition, runs, self._about(known)
         )
+        if self._near.tests:
+            self._strategy.learn_from_near(self._near.evaluations, self._near.tests)
+            self._notices.append(self._near.notice)
         if known:
             warm_start(self._strategy, self._problem, known)
             self._show()
@@ -222,6 +244,8 @@ class CalibrationLoop:
         )
         known_runs = sum(self._origins.values())
         result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
+        near = [self._near.notice] if self._near.tests else []
+        result = replace(result, other_notices=(*near, *result.other_notices))
         known = self._repetitions(self._evaluations).is_known
         own = [one for one in self._evaluations if not known(one)]
         result = with_intervals(result, self._problem, own, self._known, self._campaign.solvers)

@@ -7,7 +7,7 @@ from typing import get_args
 
 from grainfit.campaign.keep import Keep
 from grainfit.options.fields import option, option_keys, read_options
-from grainfit.options.kinds import Choice, Whole
+from grainfit.options.kinds import Choice, Flag, Whole
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,8 @@ class CalibrationOptions:
         Fresh seeds at the answer.
     keep : {"all", "results"}, optional
         Files of a finished run that are kept.
+    near_runs : bool, optional
+        Whether earlier runs of near problems guide the search.
 
     Raises
     ------
@@ -64,6 +66,15 @@ class CalibrationOptions:
         "and pictures. Folders of failed runs are kept complete.",
         default_text='"all"',
         example='"results"',
+    )
+
+    near_runs: bool | None = option(
+        Flag(),
+        "Whether earlier runs of near problems guide the search: of the same bulk test, with fixed "
+        "parameters and an apparatus that differ by at most a fifth. No verdict rests on them. "
+        "Strategy: sequential.",
+        default_text="true",
+        example="false",
     )
 
     def __post_init__(self) -> None:

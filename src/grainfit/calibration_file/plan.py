@@ -205,9 +205,10 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
 
 def _relative_lines(setup: CalibrationSetup) -> Iterator[str]:
     for relative in setup.relative_costs:
+        share = f"{100 * (relative.cost or 0.0):.2g} %"
         yield (
             f"Test {relative.of}: a part of the search runs with {what_differs(setup.strategy)}, "
-            f"in about {100 * relative.cost:.2g} % of the computing time; the verdict rests on the "
+            f"in about {share} of the computing time; the verdict rests on the "
             "others alone."
         )
 

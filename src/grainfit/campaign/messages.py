@@ -28,6 +28,10 @@ NOTHING_IN_COMMON = Message(
     "of the runs have no coordinates in common.", "Let every run cover the same range."
 )
 
+NEAR_RUNS = Message(
+    "{runs} of {problems} guide the search, and no verdict rests on them: {differs}."
+)
+
 # Work folder.
 FOLDER_UNUSABLE = Message(
     "the work folder {folder!r} cannot be used: {reason}.", "Choose another with --workdir."

@@ -96,6 +96,45 @@ def _free_and_fixed(
     return free, {name: v for name, v in values.items() if name not in free}
 
 
+@dataclass(frozen=True)
+class RunAtScale:
+    """A stored run, and what a problem would simulate at its free parameters, at its own scale.
+
+    Parameters
+    ----------
+    run : NaturalRun
+        The stored run.
+    here : NaturalRun
+        The run of the problem.
+    definition : RunDefinition
+        Of the run of the problem.
+    values : mapping of str to float
+        Its free parameters.
+    """
+
+    run: NaturalRun
+    here: NaturalRun
+    definition: RunDefinition
+    values: Mapping[str, float]
+
+    def responses_of(self, record: RunRecord) -> dict[str, Measured]:
+        """Return the responses of the stored run at the scale of the problem."""
+
+        def factor(unit: str) -> float:
+            return self.here.scale.of(unit) / self.run.scale.of(unit)
+
+        test = self.run.test
+        responses: dict[str, Measured] = {
+            name: _scaled(response, factor(test.responses[name].unit))
+            for name, response in scalars(record.responses).items()
+        }
+        for name, curve in curves(record.responses).items():
+            info = test.curves[name]
+            scales = factor(info.coordinate_unit), factor(info.unit)
+            responses[name] = _scaled_curve(curve, *scales)
+        return responses
+
+
 class ScaledRunMatcher:
     """Recognise runs of a bulk test at another particle size or density, and scale them.
 
@@ -106,14 +145,14 @@ class ScaledRunMatcher:
         self._solver = solver
         sample = _sample(solver, problem)
         self._free, self._fixed = _free_and_fixed(solver, problem, sample)
-        self._natural = natural_run(sample)
+        self.natural = natural_run(sample)
         intervals = {p.name: (p.minimum, p.maximum) for p in problem.parameters}
         self._densities = intervals.get(DENSITY, (0.0, math.inf))
 
     @property
     def natural_hash(self) -> str:
         """Hash of the model of its runs in natural units; empty for a model of the user."""
-        return "" if self._natural is None else self._natural.model_hash
+        return "" if self.natural is None else self.natural.model_hash
 
     def match(self, record: RunRecord) -> RunRecord | None:
         """Return the run at the scale of the problem.
@@ -121,44 +160,44 @@ class ScaledRunMatcher:
         None if it has that scale already, or is no run of the problem.
         """
         run = natural_run(record.definition)
-        if self._natural is None or run is None or run.model_hash != self.natural_hash:
+        if run is None or run.model_hash != self.natural_hash:
             return None
-        scale = replace(self._natural.scale, density=self._density(run))
-        if run.scale.is_same(scale):
+        found = self.at_scale(run, record.definition.seed)
+        if found is None or run.scale.is_same(found.here.scale) or not found.here.is_same(run):
             return None
+        definition = found.definition
+        return replace(
+            record,
+            identity=definition.identity,
+            definition=definition,
+            responses=found.responses_of(record),
+        )
+
+    def at_scale(self, run: NaturalRun, seed: int) -> RunAtScale | None:
+        """Return a run of the test, of any fixed numbers, beside that of the problem there.
+
+        None where it lacks a free parameter, or the problem can have no such run.
+        """
+        if self.natural is None:
+            return None
+        scale = replace(self.natural.scale, density=self._density(run))
         known = in_si(run, scale)
         values = {name: known[name] for name in self._free if name in known}
         if len(values) < len(self._free):
             return None
         try:
-            definition = self._solver.definition(values, record.definition.seed)
+            definition = self._solver.definition(values, seed)
         except InputError:
             return None
         here = natural_run(definition)
-        if here is None or not here.is_same(run):
-            return None
-
-        def factor(unit: str) -> float:
-            return here.scale.of(unit) / run.scale.of(unit)
-
-        responses: dict[str, Measured] = {
-            name: _scaled(response, factor(run.test.responses[name].unit))
-            for name, response in scalars(record.responses).items()
-        }
-        for name, curve in curves(record.responses).items():
-            info = run.test.curves[name]
-            scales = factor(info.coordinate_unit), factor(info.unit)
-            responses[name] = _scaled_curve(curve, *scales)
-        return replace(
-            record, identity=definition.identity, definition=definition, responses=responses
-        )
+        return None if here is None else RunAtScale(run, here, definition, values)
 
     def _density(self, run: NaturalRun) -> float:
         """Density of the particles at which the run has the problem's fixed values, kg/m^3."""
         if DENSITY in self._fixed:
             return self._fixed[DENSITY]
-        assert self._natural is not None
-        per_density = replace(self._natural.scale, density=1.0)
+        assert self.natural is not None
+        per_density = replace(self.natural.scale, density=1.0)
         known = in_si(run, per_density)
         for name, value in self._fixed.items():
             # A stiffness that is fixed says how dense the particles are; no cohesion says nothing.

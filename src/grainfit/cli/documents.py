@@ -17,6 +17,7 @@ from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import scalars
 
 if TYPE_CHECKING:
+    from grainfit.atlas.estimate import Estimate
     from grainfit.calibration_file.plan import Plan
     from grainfit.campaign.store.records import RunRecord
     from grainfit.result import Result
@@ -155,6 +156,38 @@ def plan_document(file: Path, plan: Plan) -> dict[str, Any]:
         "seconds": plan.seconds,
         "executes": plan.executes,
         "problems": plan.problems,
+    }
+
+
+def estimate_document(file: Path | None, found: Estimate) -> dict[str, Any]:
+    """Return an estimate by the atlas; SI units, as everywhere."""
+    return {
+        "file": file,
+        "status": "estimate: not simulated",
+        "parameters": {
+            one.parameter.name: {
+                "value": found.best[one.parameter.name],
+                "unit": one.parameter.unit,
+                **_fields(one, "low", "median", "high", "is_open"),
+            }
+            for one in found.parameters
+        },
+        "responses": {
+            one.target.name: {
+                **_fields(one, "value", "standard_error", "scatter", "is_in_reach"),
+                "unit": one.target.unit,
+                "measured": _fields(one.target, "value", "tolerance"),
+            }
+            for one in found.responses
+        },
+        "untold": found.untold,
+        "chance": found.chance,
+        "runs": found.runs,
+        "seconds": found.seconds,
+        "further": [
+            {**_fields(one, "test", "response", "left"), "accuracy": asdict(one.accuracy)}
+            for one in found.further
+        ],
     }
 
 

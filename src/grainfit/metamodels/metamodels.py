@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -551,20 +551,29 @@ def _fit(
     relative = None
     if of_relative := _runs_of_relative(problem, evaluations, name):
         theirs = np.array([problem.to_unit(e.proposal.parameters) for e, _ in of_relative])
-        relative, _ = _fit_at(problem, name, theirs[:, axes], [one for _, one in of_relative])
+        places = tuple(tuple(place) for place in theirs[:, axes].tolist())
+        responses_there = tuple(one for _, one in of_relative)
+        relative = _fitted_relative(places, responses_there, problem.scatters.get(name, 0.0))
     responses = [e.responses[name] for e in known]
-    model, outliers = _fit_at(problem, name, points[:, axes], responses, relative)
+    model, outliers = _fit_at(points[:, axes], responses, problem.scatters.get(name, 0.0), relative)
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
     if len(axes) < problem.dimension:
         model = model.embedded(axes, np.delete(points, outliers.indices, axis=0))
     return model, replace(outliers, seeds=runs)
 
 
+@lru_cache(maxsize=32)
+def _fitted_relative(
+    points: tuple[tuple[float, ...], ...], responses: tuple[Response, ...], scatter: float
+) -> Kriging:
+    """Fit the metamodel of a relative; its runs stay the same while those of the test come."""
+    return _fit_at(np.array(points), responses, scatter)[0]
+
+
 def _fit_at(
-    problem: Problem,
-    name: str,
     points: Array,
     responses: Sequence[Response],
+    scatter: float,
     relative: Kriging | None = None,
 ) -> tuple[Kriging, Outliers]:
     """Fit the metamodel of a target, or of its relative, to responses at points."""
@@ -572,6 +581,6 @@ def _fit_at(
         points,
         np.array([response.value for response in responses]),
         np.array([response.standard_error for response in responses]),
-        problem.scatters.get(name, 0.0),
+        scatter,
         relative,
     )

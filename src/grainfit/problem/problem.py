@@ -269,8 +269,9 @@ class Problem:
 
     @cached_property
     def relative_scopes(self) -> tuple[TestScope, ...]:
-        """The relatives of tests, with the targets that they tell about."""
-        return tuple(one.scope(self.scope_of_test(one.of)) for one in self.relatives)
+        """The relatives of tests that can be run, with the targets that they tell about."""
+        can_run = [one for one in self.relatives if one.cost is not None]
+        return tuple(one.scope(self.scope_of_test(one.of)) for one in can_run)
 
     def scope_of_test(self, test: str) -> TestScope:
         """Return the scope of the test of a relative; InputError if there is none."""

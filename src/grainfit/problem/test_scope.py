@@ -76,8 +76,9 @@ class Relative:
     ----------
     of : str
         Name of the test.
-    cost : float
-        Computing time of its run, in runs of the test; above 0 and below 1.
+    cost : float, optional
+        Computing time of its run, in runs of the test; above 0 and below 1. None where its runs
+        are known from earlier calibrations: then no more are made.
 
     Examples
     --------
@@ -88,11 +89,13 @@ class Relative:
     __repr__ = one_line
 
     of: str
-    cost: float
+    cost: float | None
 
     def __post_init__(self) -> None:
         if not isinstance(self.of, str):
             raise InputError(messages.NO_TEST_NAME.fault("relative", given=self.of))
+        if self.cost is None:
+            return
         if not 0 < as_number(self.cost) < 1:
             key = f"{self.of}.cost"
             raise InputError(messages.NOT_CHEAPER.fault(key, given=repr(self.cost)))

@@ -244,6 +244,19 @@ class Search(ABC):
         for evaluation in evaluations:
             self.note(evaluation)
 
+    def learn_from_near(self, evaluations: Sequence[Evaluation], tests: Sequence[str]) -> None:
+        """Use runs of near problems, on which no verdict rests; ignored unless overridden.
+
+        Called at most once, before `warm_start`, and only where the strategy `uses_relatives`.
+
+        Parameters
+        ----------
+        evaluations : sequence of Evaluation
+            With the responses of a relative of a test, see `grainfit.problem.Relative`.
+        tests : sequence of str
+            Names of these tests.
+        """
+
     @abstractmethod
     def ask(self) -> Proposal | None:
         """Return the next proposal, or None when there is none at this moment."""

@@ -67,7 +67,7 @@ class RunCosts:
         Runs count alike while the time of some test is not known at all.
         """
         for relative in self._problem.relatives:
-            if relative.name == scope.name:
+            if relative.name == scope.name and relative.cost is not None:
                 return relative.cost * self.seconds(self._scopes[relative.of], points)
         trend = self._trends[scope.name]
         if trend is None:

@@ -24,6 +24,7 @@ from grainfit.report.rendering import script_json
 from grainfit.result import Result
 from grainfit.watch.drawings import LatestDrawings
 from grainfit.watch.state import Reading, read_folder, state_of
+from grainfit.work_folder.estimate import estimate_of_running
 
 _LOOK_SECONDS = 1.0
 #: What is read or computed takes at most this share of a core.
@@ -54,6 +55,8 @@ class Follower:
         self._ending, self._ended = threading.Event(), threading.Event()
         self._drawings = LatestDrawings()
         self._so_far: tuple[object, Result | None] = (None, None)
+        #: Calibration and what the atlas expects of it.
+        self._estimate: tuple[str, tuple[str, ...]] = ("", ())
         self._fault = ""
         self._rest_until = 0.0
         self._heartbeat: tuple[int | None, float] = (None, float("-inf"))
@@ -181,6 +184,7 @@ class Follower:
         begun = time.monotonic()
         self._fault = ""
         try:
+            self._compute_estimate(reading)
             self._compute_so_far(reading)
             if reading.saved is not None:
                 self._drawings.update(reading.saved)
@@ -191,6 +195,17 @@ class Follower:
         self._is_stale = False
         now = time.monotonic()
         self._rest_until = now + (now - begun) * (1 / _SHARE - 1)
+
+    def _compute_estimate(self, reading: Reading) -> None:
+        """Estimate the parameters once, before the first results, and show them at once."""
+        identity = _calibration(reading)
+        if not reading.is_running or identity == self._estimate[0] or not reading.requests:
+            return
+        self._estimate = (identity, ())
+        with threadpool_limits(limits=1, user_api="blas"):
+            found = estimate_of_running(self._folder)
+        self._estimate = (identity, () if found is None else tuple(found.lines()))
+        self._publish(reading)
 
     def _compute_so_far(self, reading: Reading) -> None:
         saved = reading.saved
@@ -214,7 +229,9 @@ class Follower:
 
     def _publish(self, reading: Reading) -> None:
         so_far = self._so_far[1] if _calibration(reading) == _of(self._so_far[0]) else None
-        state = state_of(reading, so_far)
+        identity, lines = self._estimate
+        estimate = lines if _calibration(reading) == identity else ()
+        state = state_of(reading, so_far, estimate)
         if self._fault:
             state["notices"] = [*state["notices"], plain(self._fault)]
         state["drawings"] = [one.about for one in self._drawings.found.values()]

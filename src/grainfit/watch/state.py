@@ -106,7 +106,9 @@ def read_folder(folder: Path, *, is_alive_elsewhere: bool = False) -> Reading:
     return Reading(folder, saved, requests, failed, live, is_running, is_held(folder))
 
 
-def state_of(reading: Reading, so_far: Result | None) -> dict[str, Any]:
+def state_of(
+    reading: Reading, so_far: Result | None, estimate: Sequence[str] = ()
+) -> dict[str, Any]:
     """Return all that the page shows of a work folder, but particles.
 
     Parameters
@@ -115,6 +117,8 @@ def state_of(reading: Reading, so_far: Result | None) -> dict[str, Any]:
         The work folder.
     so_far : Result, optional
         Best answer by the runs so far, where there is no result.
+    estimate : sequence of str, optional
+        What the atlas expects, shown while the runs are too few for an answer.
     """
     saved = reading.saved
     if saved is None:
@@ -126,7 +130,7 @@ def state_of(reading: Reading, so_far: Result | None) -> dict[str, Any]:
         "folder": plain(str(saved.folder)),
         "state": saved.state,
         "started": reading.live.started if reading.live else saved.started,
-        "verdict": _verdict(reading, so_far),
+        "verdict": _verdict(reading, so_far, estimate),
         "progress": _progress(reading, failed),
         "failures": failures,
         "failed": failed,
@@ -166,10 +170,10 @@ def _without_calibration(reading: Reading) -> dict[str, Any]:
     }
 
 
-def _verdict(reading: Reading, so_far: Result | None) -> dict[str, Any]:
+def _verdict(reading: Reading, so_far: Result | None, estimate: Sequence[str]) -> dict[str, Any]:
     assert reading.saved is not None, "there is a calibration"
     if reading.is_running:
-        return _verdict_so_far(so_far)
+        return _verdict_so_far(so_far, estimate)
     if reading.is_held and reading.saved.result is None and reading.saved.state != "failed":
         return _in_progress(messages.LAST_RUN_ENDED(), [messages.WRITING_RESULT()])
     # Intervals are shown beside the parameters; the analysis would take seconds.
@@ -182,9 +186,10 @@ def _verdict(reading: Reading, so_far: Result | None) -> dict[str, Any]:
     }
 
 
-def _verdict_so_far(so_far: Result | None) -> dict[str, Any]:
+def _verdict_so_far(so_far: Result | None, estimate: Sequence[str]) -> dict[str, Any]:
     if so_far is None or so_far.probability_all_met is None:
-        return _in_progress(messages.FIRST_RUNS(), [messages.TOO_FEW_RUNS()])
+        details = [messages.TOO_FEW_RUNS(), *map(plain, estimate)]
+        return _in_progress(messages.FIRST_RUNS(), details)
     missed = [name for name, found in so_far.responses.items() if found.verdict == "missed"]
     missed += [name for name, found in so_far.curves.items() if found.verdict == "missed"]
     likely = probability(so_far.probability_all_met)

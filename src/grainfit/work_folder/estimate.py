@@ -15,9 +15,13 @@ from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Parameter, Problem, Target
+from grainfit.relative_names import is_relative
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.units import UnitError, to_unit
 from grainfit.work_folder import messages
+from grainfit.work_folder.open_folder import open_folder
+from grainfit.work_folder.saved_calibration import SavedCalibration
+from grainfit.work_folder.solvers_of_runs import solver_of_run
 
 #: Bulk over particle density of poured beds: between very loose and dense.
 _LOOSE, _DENSE = 0.5, 0.65
@@ -68,6 +72,37 @@ def estimate(source: str | Path | CalibrationSetup, *, seed: int = 1) -> Estimat
     """
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
     return estimate_of(setup.problem, setup.solvers, seed=seed)
+
+
+def estimate_of_running(folder: Path) -> Estimate | None:
+    """Estimate the parameters of a calibration by the runs that it has asked for.
+
+    Parameters
+    ----------
+    folder : Path
+        Its work folder.
+
+    Returns
+    -------
+    Estimate or None
+        None where the atlas tells nothing about its targets, or where a smaller apparatus than
+        that of the targets is simulated.
+    """
+    saved = SavedCalibration.open(folder)
+    with open_folder(folder) as opened:
+        records = opened.records_of(opened.requests[: len(saved.problem.parameters) + 1])
+    free = {parameter.name for parameter in saved.problem.parameters}
+    if not records or saved.problem.ratios:
+        return None
+    try:
+        solvers = {
+            one.test: solver_of_run(one, free)
+            for one in records.values()
+            if not is_relative(one.test)
+        }
+        return estimate_of(saved.problem, solvers)
+    except InputError:
+        return None
 
 
 def estimate_of_heap(

@@ -443,6 +443,17 @@ class RunStore:
             return [r for r in known if natural_hash(r.definition) in natural_hashes]
         return self._runs("finished", _runs.c.natural_hash.in_(list(natural_hashes)))
 
+    def models_at_any_scale(self) -> list[RunRecord]:
+        """Return one finished run of every bulk test in natural units; none of an older store."""
+        if self._version < SCHEMA_VERSION:
+            return []
+        first = (
+            sql.select(sql.func.min(_runs.c.identity))
+            .where(_runs.c.status == "finished", _runs.c.natural_hash != "")
+            .group_by(_runs.c.natural_hash)
+        )
+        return self._runs("finished", _runs.c.identity.in_(first))
+
     # Claims, where several processes share a store ---------------------------------------------
 
     def claim(self, record: RunRecord, owner: str, instead_of: Claim | None = None) -> bool:

@@ -10,6 +10,7 @@ import typer
 from grainfit.cli import console as show
 from grainfit.cli import messages
 from grainfit.cli.consoles import out
+from grainfit.cli.documents import AsJson, estimate_document, print_document
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.options import output_option
 from grainfit.errors import InputError
@@ -48,6 +49,7 @@ def estimate(
     angle: _Angle = "",
     density: _Density = "",
     output: Annotated[Path | None, output_option("FILE.png", _OUTPUT)] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Say which parameters agree with the measurements, at once, by runs that ship with grainfit.
 
@@ -71,4 +73,7 @@ def estimate(
     if output is not None:
         draw_estimate(found, output)
         parts.append(f"Picture: {output}")
+    if as_json:
+        print_document("estimate", estimate_document(file, found))
+        return
     show.print_parts(out, parts)

@@ -26,7 +26,7 @@ from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.unit_cube import spread_subset
-from grainfit.problem import Problem
+from grainfit.problem import Problem, Relative
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.base import Search
 from grainfit.strategies.budget import design_size, runs_with_scatter
@@ -118,14 +118,7 @@ class SequentialSearch(Search):
             for scope in problem.scopes
         }
         for relative in problem.relatives:
-            # The relative shows how responses change, its test a difference that changes less.
-            test = problem.scope_of_test(relative.of)
-            usual_runs = self._design_sizes[relative.of]
-            affordable = int(_COST_OF_RELATIVE / relative.cost)
-            most = _MOST_OF_RELATIVE * usual_runs
-            self._design_sizes[relative.name] = max(usual_runs, min(affordable, most))
-            self._design_sizes[relative.of] = min(usual_runs, len(test.parameters) + 1)
-            self._design_size = max(self._design_sizes.values())
+            self._make_room_for(relative)
         self._usual_design = strategy.design_runs or usual
         self._allowed = max_evaluations or (
             self._design_size + RUNS_PER_PARAMETER * problem.dimension
@@ -139,6 +132,20 @@ class SequentialSearch(Search):
         self._latest: tuple[tuple[int, int], Belief] | None = None
         self._notices: list[str] = []
         self._has_ended = False
+
+    def _make_room_for(self, relative: Relative) -> None:
+        """Choose the design of a relative and of its test.
+
+        The relative shows how responses change, its test a difference that changes less.
+        """
+        test = self.problem.scope_of_test(relative.of)
+        usual_runs = self._design_sizes[relative.of]
+        if relative.cost is not None:
+            affordable = int(_COST_OF_RELATIVE / relative.cost)
+            most = _MOST_OF_RELATIVE * usual_runs
+            self._design_sizes[relative.name] = max(usual_runs, min(affordable, most))
+        self._design_sizes[relative.of] = min(usual_runs, len(test.parameters) + 1)
+        self._design_size = max(self._design_sizes.values())
 
     @property
     def definition(self) -> dict[str, Any]:
@@ -273,6 +280,14 @@ class SequentialSearch(Search):
         """The budget, or the design and 20 runs per free parameter."""
         return self._allowed
 
+    def learn_from_near(self, evaluations: Sequence[Evaluation], tests: Sequence[str]) -> None:
+        """Use runs of near problems as relatives of tests, of which no more are run."""
+        relatives = [Relative(test, None) for test in tests]
+        self.problem = replace(self.problem, relatives=(*self.problem.relatives, *relatives))
+        for relative in relatives:
+            self._make_room_for(relative)
+        self._others += evaluations
+
     def warm_start(self, evaluations: Sequence[Evaluation]) -> None:
         """Use runs of other calibrations instead of a part of the design."""
         self._others += evaluations
@@ -285,7 +300,7 @@ class SequentialSearch(Search):
             }
             left = self._design_sizes[scope.name] - len(places)
             self._design_sizes[scope.name] = max(0, left)
-        for relative in self.problem.relatives:
+        for relative in self.problem.relative_scopes:
             known = [e for e in evaluations if e.proposal.asks_for(relative.name)]
             left = self._design_sizes[relative.name] - len(known)
             self._design_sizes[relative.name] = max(0, left)
@@ -391,7 +406,7 @@ class SequentialSearch(Search):
 
     def _some(self, tests: Sequence[str]) -> tuple[str, ...] | None:
         """Return the tests of a proposal, None for all of them."""
-        is_all = len(tests) == len(self.problem.scopes) and not self.problem.relatives
+        is_all = len(tests) == len(self.problem.scopes) and not self.problem.relative_scopes
         return None if is_all else tuple(tests)
 
     def _sets(self, proposals: Iterable[Proposal]) -> int:
@@ -413,7 +428,7 @@ class SequentialSearch(Search):
 
     @property
     def _budget_is_used(self) -> bool:
-        relatives = {relative.name: relative.cost for relative in self.problem.relatives}
+        relatives = {one.name: one.cost or 0.0 for one in self.problem.relatives}
         spent = sum(relatives.get(test, 0.0) for one in self._asked for test in one.tests or ())
         return self._sets(self._asked) + math.floor(spent) >= self._allowed
 
@@ -560,7 +575,7 @@ class SequentialSearch(Search):
         yields = [belief.metamodels.yielded_by(proposal.tests) for proposal in pending]
         at = np.array(points).reshape(-1, belief.problem.dimension)
         conditioned = belief.metamodels.condition_on_pending(at, np.array(yields))
-        for relative in belief.problem.relatives:
+        for relative in belief.problem.relative_scopes:
             asked = [proposal.asks_for(relative.name) for proposal in pending]
             told = np.outer(asked, conditioned.told_by(relative.name))
             conditioned = conditioned.condition_on_pending_relatives(at, told)
