@@ -90,7 +90,9 @@ def test_opened_metamodels_predict_as_the_fitted_ones(tmp_path: Path) -> None:
     assert (variance > 0).all()
 
 
-@pytest.mark.parametrize("damage", ["changed", "gone", "revision", "no contents", "nonsense"])
+@pytest.mark.parametrize(
+    "damage", ["changed", "gone", "revision", "no contents", "nonsense", "foreign"]
+)
 def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -> None:
     folder = tmp_path / "atlas"
     shutil.copytree(SHIPPED, folder)
@@ -105,6 +107,8 @@ def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -
         contents.write_text(json.dumps(plain))
     elif damage == "no contents":
         contents.unlink()
+    elif damage == "foreign":
+        contents.write_text('{"tests": ["packing"], "materials": {}}')
     else:
         contents.write_text("[1, 2")
 
@@ -113,6 +117,8 @@ def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -
     assert atlas.of_test("packing") is None
     if damage in ("changed", "gone", "revision"):
         assert "packing" in list(atlas.faults())
+    else:
+        assert not atlas.is_readable
 
 
 def test_an_estimate_names_a_damaged_atlas_and_goes_on_without_it(tmp_path: Path) -> None:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import grainfit as gf
+from grainfit.atlas import forecast
+from grainfit.atlas import messages as atlas_messages
+from grainfit.atlas.shelf import SHIPPED, Atlas
+from grainfit.calibration_file import messages
+from grainfit.solvers.dem.lammps.program import Lammps
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
 FILE = """name = "pellets"
@@ -38,6 +46,22 @@ targets.angle_of_repose = { value = "ANGLE", uncertainty = "1 deg" }
 [strategy]
 atlas = ATLAS
 """
+
+
+class QuickHeap(Lammps):
+    """A heap of LAMMPS whose runs end at once."""
+
+    def run(
+        self, parameters: Mapping[str, float], seed: int, workspace: gf.Workspace
+    ) -> dict[str, gf.Response]:
+        """Return an angle."""
+        del workspace
+        scatter = seed % 7 / 7
+        return {
+            "angle_of_repose": gf.Response(
+                18 + 10 * parameters[ROLLING] + 8 * parameters[SLIDING] + scatter
+            )
+        }
 
 
 def _setup(folder: Path, atlas: str = "true", angle: str = "30 deg") -> gf.CalibrationSetup:
@@ -75,3 +99,23 @@ def test_nothing_is_expected_of_what_the_atlas_does_not_have(tmp_path: Path) -> 
 def test_atlas_is_true_or_false(tmp_path: Path) -> None:
     with pytest.raises(gf.InputError, match=r"strategy\.atlas"):
         _setup(tmp_path, atlas='"yes"')
+
+
+def test_a_calibration_names_a_damaged_atlas_and_goes_on_without_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    damaged = tmp_path / "atlas"
+    shutil.copytree(SHIPPED, damaged)
+    (damaged / "heap.jsonl").write_text("{}")
+    monkeypatch.setattr(forecast, "shipped_atlas", lambda: Atlas(damaged))
+    said: list[str] = []
+    setup = _setup(tmp_path)
+    heap = QuickHeap(setup.solvers["heap"].bulk_test, setup.file.fixed)
+
+    result = replace(setup, solvers={"heap": heap}).calibrate(
+        tmp_path / "work", on_phase=said.append, max_runs=9
+    )
+
+    assert messages.WITHOUT_ATLAS.is_in(said[0])
+    assert atlas_messages.DAMAGED.is_in(said[0])
+    assert result.runs.total > 3

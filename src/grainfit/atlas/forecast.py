@@ -71,7 +71,7 @@ class Forecast:
             reading = Reading(solvers[test], problem.middle)
             surrogate = self._atlas.of_test(reading.test.type)
             if surrogate is None:
-                is_there = reading.test.type in self._atlas.tests
+                is_there = reading.test.type in self._atlas.tests or not self._atlas.is_readable
                 raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
             reading.require_inside(problem.middle)
         except NotInAtlasError as error:

@@ -48,6 +48,11 @@ class Row:
         return json.dumps(asdict(self), separators=(",", ":"))
 
     @classmethod
+    def from_text(cls, text: str) -> Row:
+        """Return the row of `to_text`; errors are those of `from_plain`."""
+        return cls.from_plain(json.loads(text))
+
+    @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Row:
         """Return the row of parsed JSON.
 
@@ -67,7 +72,7 @@ def rows_in(path: Path) -> list[Row]:
     found = {}
     for line in lines:
         try:
-            row = Row.from_plain(json.loads(line))
+            row = Row.from_text(line)
         except (KeyError, TypeError, ValueError, AttributeError):
             continue
         found[row.number] = row

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
+from grainfit.atlas import messages
+from grainfit.atlas.admitted import admitted_programs
 from grainfit.atlas.inputs import is_of_today
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate
@@ -46,9 +49,14 @@ class Atlas:
             return {}
 
     @property
+    def is_readable(self) -> bool:
+        """Whether its contents can be read; without them it tells nothing about any test."""
+        return bool(self._contents)
+
+    @property
     def _tests(self) -> Mapping[str, Any]:
         found: Mapping[str, Any] = self._contents.get("tests", {})
-        return found
+        return {name: one for name, one in found.items() if isinstance(one, dict)}
 
     @property
     def tests(self) -> tuple[str, ...]:
@@ -58,7 +66,8 @@ class Atlas:
     @property
     def counts(self) -> dict[str, int]:
         """Numbers of rows by test."""
-        return {name: int(one.get("count", 0)) for name, one in self._tests.items()}
+        found = {name: one.get("count", 0) for name, one in self._tests.items()}
+        return {name: one if isinstance(one, int) else 0 for name, one in found.items()}
 
     def of_test(self, name: str) -> Surrogate | None:
         """Return what it tells about a test; None if damaged, or of another physics."""
@@ -95,7 +104,8 @@ def shipped_atlas() -> Atlas:
 def publish(source: Path, folder: Path) -> Iterator[str]:
     """Fit the metamodels to the rows of a folder and write both into another, and yield the tests.
 
-    Rows of an apparatus that their inputs do not mean any more are left out.
+    Rows of an apparatus that their inputs do not mean any more are left out, and those of a program
+    that is not admitted (`grainfit.atlas.admitted`).
 
     Parameters
     ----------
@@ -105,8 +115,14 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
         Where the atlas is written.
     """
     contents: dict[str, Any] = {}
+    # A point that is no possible test was simulated by none.
+    admitted = {*admitted_programs(), ""}
     for name, kind in bulk_tests().items():
         rows = [row for row in rows_in(_rows(source, name)) if is_of_today(kind, row)]
+        for program, count in Counter(row.program for row in rows).items():
+            if program not in admitted:
+                yield messages.NOT_ADMITTED(test=name, rows=count, program=program)
+        rows = [row for row in rows if row.program in admitted]
         if not isinstance(kind, InAtlas) or len(rows) < FEWEST_ROWS:
             continue
         surrogate = Surrogate(kind, rows)

@@ -149,15 +149,23 @@ class CalibrationSetup:
     @property
     def expected(self) -> dict[str, tuple[float, float]]:
         """Intervals in which the atlas expects the answer, if the file asks; empty without any."""
+        return self._expected(lambda _: None)
+
+    def _expected(self, say: Callable[[str], None]) -> dict[str, tuple[float, float]]:
+        """Return the same, and say what the atlas does not tell."""
         if not self.strategy.atlas:
             return {}
         # Imported here: `check` needs no metamodels.
         from grainfit.atlas.estimate import estimate_of
 
         try:
-            return estimate_of(self.problem, self.solvers).expected_intervals()
-        except InputError:
+            found = estimate_of(self.problem, self.solvers)
+        except InputError as error:
+            say(messages.WITHOUT_ATLAS(why=error.reasons))
             return {}
+        for why in dict.fromkeys(found.untold.values()):
+            say(messages.WITHOUT_ATLAS(why=why))
+        return found.expected_intervals()
 
     @property
     def bulk_tests(self) -> dict[str, BulkTest]:
@@ -240,7 +248,11 @@ class CalibrationSetup:
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
             search = partial(
                 calibrate,
-                replace(self.problem, relatives=self.relative_costs, expected=self.expected),
+                replace(
+                    self.problem,
+                    relatives=self.relative_costs,
+                    expected=self._expected(on_phase),
+                ),
                 self.simulated,
                 relatives=self.relatives,
                 workdir=folder,

@@ -26,6 +26,8 @@ NO_SUCH_RELATIVE = Message(
     "makes test {test} impossible: {why}", "Give a value nearer to 1, or leave it out."
 )
 
+WITHOUT_ATLAS = Message("The search goes on without the atlas: {why}")
+
 # Twins.
 TWINS_AND_RELATIVES = Message(
     "is given beside {keys}: the real apparatus is not simulated in the search, so that relatives "
