@@ -53,8 +53,9 @@ EMPTY_BOX_PRESSED = Message(
 CONTINUED = Message("continues at time step {step} of the stage {stage!r}, from {file}")
 UNUSABLE_RESTART = Message("{file} cannot be used: {reason}")
 OTHER_DECK = Message("starts anew: the restart files are of another deck")
-NO_RESTARTS = Message("writes no restart files, which grainfit does not have for {solver}")
-NO_RESTARTS_OF = Message("writes no restart files: {what} could not be continued exactly")
+NO_RESTARTS = Message("starts anew after a kill: {why}")
+NO_RESTARTS_OF_SOLVER = Message("grainfit has no restart files for {solver}")
+NO_RESTARTS_OF = Message("{solver} does not continue {what} exactly")
 
 # --- walls and scenes ----------------------------------------------------------------------------
 

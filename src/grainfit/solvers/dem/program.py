@@ -62,7 +62,15 @@ from grainfit.solvers.base import Solver, Workspace
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.parts import PartsOnWalls
-from grainfit.solvers.dem.restarts import note, steps_between
+from grainfit.solvers.dem.restarting_deck import RestartingDeck
+from grainfit.solvers.dem.restarts import (
+    IS_READ,
+    clear,
+    join_series,
+    note,
+    saved_states,
+    steps_between,
+)
 from grainfit.solvers.dem.sphere_types import is_one_size
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 from grainfit.solvers.run_cost import RunCost
@@ -115,6 +123,8 @@ class DeckSolver(Solver):
     _error: ClassVar[re.Pattern[str]] = re.compile("ERROR")
     #: Translator of scenes into its decks.
     deck: ClassVar[type[SceneDeck]]
+    #: Translator into decks that write restart files; None if runs cannot be continued.
+    restarting: ClassVar[type[RestartingDeck] | None] = None
     #: Concepts of scenes that it does not have, with the reason and what to use instead.
     missing: ClassVar[Mapping[str, str]] = {}
     #: Material parameters that can only be 0, because it has nothing of the kind.
@@ -312,10 +322,50 @@ class DeckSolver(Solver):
         struck = [stage.name for stage in scene.stages if stage.strike_off is not None]
         return RunOutput(workspace.folder, len(scene.particles.size_indices), struck)
 
-    def _simulate_long(self, scene: Scene, workspace: Workspace, every: int) -> None:  # noqa: ARG002
+    def _simulate_long(self, scene: Scene, workspace: Workspace, every: int) -> None:
         """Run the program so that a run that is killed can be continued, if it can be."""
-        note(workspace.folder, messages.NO_RESTARTS(solver=self.title))
-        self._simulate(self.deck(scene, workspace.folder).write(), workspace)
+        folder, restarting = workspace.folder, self.restarting
+        why = self._restart_refusal(scene)
+        if restarting is None or why:
+            note(folder, messages.NO_RESTARTS(why=why))
+            self._simulate(self.deck(scene, folder).write(), workspace)
+            return
+        deck = restarting(scene, folder, every)
+        states = saved_states(folder, scene)
+        if states and deck.is_written():
+            for saved in states:
+                if self._continues(restarting(scene, folder, every, saved), workspace):
+                    return
+        elif states:
+            note(folder, messages.OTHER_DECK())
+        if states:
+            clear(folder)
+        self._simulate(deck.write(), workspace)
+
+    def _continues(self, deck: RestartingDeck, workspace: Workspace) -> bool:
+        """Continue a run; return False if its restart file cannot be used."""
+        folder, saved = workspace.folder, deck.saved
+        (folder / IS_READ).unlink(missing_ok=True)
+        note(folder, messages.CONTINUED(step=saved.step, stage=saved.stage, file=saved.file))
+        try:
+            self._simulate(deck.write_continuation(), workspace)
+            join_series(folder, saved)
+            return True
+        except RunFailedError as error:
+            if (folder / IS_READ).exists() or error.kind != "simulation":
+                raise
+            reason = error.reason
+        except (OSError, ValueError) as error:
+            reason = str(error)
+        note(folder, messages.UNUSABLE_RESTART(file=saved.file, reason=reason))
+        return False
+
+    def _restart_refusal(self, scene: Scene) -> str:
+        """Return why runs of a scene start anew after a kill; empty if they are continued."""
+        if self.restarting is None:
+            return messages.NO_RESTARTS_OF_SOLVER(solver=self.title)
+        what = self.restarting.refusal(scene)
+        return what and messages.NO_RESTARTS_OF(solver=self.title, what=what)
 
     def _ended_empty(
         self,

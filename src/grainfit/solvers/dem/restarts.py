@@ -113,10 +113,12 @@ def clear(folder: Path) -> None:
             path.unlink()
 
 
-def cut_output(folder: Path, scene: Scene, saved: Saved) -> None:
-    """Remove from the output of a run what it wrote at and after the step of a restart file.
+def cut_output(
+    folder: Path, scene: Scene, saved: Saved, first_row: int, first_frame: int
+) -> None:
+    """Remove from the output of a run what it wrote after a restart file.
 
-    The continued program writes the rows and frames of that step again.
+    Of series and frames, that is from these time steps on.
     """
     names = [stage.name for stage in scene.stages]
     now = names.index(saved.stage)
@@ -125,10 +127,10 @@ def cut_output(folder: Path, scene: Scene, saved: Saved) -> None:
     (folder / STAGES).write_text("".join([header, *kept]), encoding="utf-8")
     for path in _output_after(folder, scene.stages[now:]):
         path.unlink(missing_ok=True)
-    _cut_series(folder / series_file(saved.stage), (saved.step - 0.5) * scene.time_step)
+    _cut_series(folder / series_file(saved.stage), (first_row - 0.5) * scene.time_step)
     frames = scene.stages[now].frames
     for file in (FILM, *([snapshot_file(frames.name)] if frames else [])):
-        _cut_frames(folder / file, saved.step)
+        _cut_frames(folder / file, first_frame)
 
 
 def _output_after(folder: Path, stages: tuple[Stage, ...]) -> Iterator[Path]:

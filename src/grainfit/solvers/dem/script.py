@@ -66,6 +66,8 @@ class ScriptDeck(SceneDeck):
         #: Computes that sum quantities of the particles at a wall, by wall: they stay from stage to
         #: stage, and go with the wall.
         self._sums: dict[str, list[str]] = {}
+        #: Travels that walls begin with, m or rad; 0 for those without.
+        self.travels: Mapping[str, str] = {}
         self._glued = GluedSets(scene, self.follow, self.hold, self.no_spin, self.loose_spheres)
         #: Group of the particles that move, are counted, and touch walls.
         self.loose = LOOSE if scene.glued else "all"
@@ -94,6 +96,10 @@ class ScriptDeck(SceneDeck):
             yield from self.stage(stage)
         yield command("jump", "SELF end")
         yield from self.ends()
+
+    def read_particles(self) -> str:
+        """Return the command that reads the particles."""
+        return command("read_data", PARTICLES)
 
     # --- what solvers write differently --------------------------------------------------------
 
@@ -520,6 +526,10 @@ class ScriptDeck(SceneDeck):
     def moving_walls(self) -> dict[str, Motion]:
         """Return the last motion of each moving wall: all are along or about one axis."""
         return {wall: motion for stage in self.scene.stages for wall, motion in stage.all_motions()}
+
+    def is_loaded(self, wall: str) -> bool:
+        """Return whether a wall is under a load in some stage."""
+        return any(isinstance(motion, Load) for motion in self.scene.motions_of(wall))
 
     @staticmethod
     def component(along: str) -> int:

@@ -43,8 +43,6 @@ class LammpsSceneDeck(ScriptDeck):
 
     def __init__(self, scene: Scene, folder: Path) -> None:
         self.clumps = None if scene.clumps is None else RigidClumps(scene)
-        #: Travels that walls begin with, m or rad; 0 for those without.
-        self.travels: Mapping[str, str] = {}
         super().__init__(scene, folder)
 
     def head(self) -> Iterator[str]:
@@ -68,10 +66,6 @@ class LammpsSceneDeck(ScriptDeck):
             return
         yield "# Particles are no molecules: without this, one alone would have no kinetic energy."
         yield command("compute_modify", "thermo_temp extra/dof 0")
-
-    def read_particles(self) -> str:
-        """Return the command that reads the particles."""
-        return command("read_data", PARTICLES)
 
     def particle_types(self) -> tuple[int, list[int]]:
         """Return one type for each diameter."""
@@ -216,10 +210,6 @@ class LammpsSceneDeck(ScriptDeck):
         along = ["NULL", "NULL", "NULL"]
         along[self.component(motion.along)] = f"v_{wall}_travel"
         return f"move {' '.join(along)}"
-
-    def is_loaded(self, wall: str) -> bool:
-        """Return whether a wall is under a load in some stage."""
-        return any(isinstance(motion, Load) for motion in self.scene.motions_of(wall))
 
     def _region(self, shape: Shape) -> str:
         if isinstance(shape, Plane):

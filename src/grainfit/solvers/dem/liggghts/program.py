@@ -18,8 +18,10 @@ from grainfit.scenes.scene import Scene
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.liggghts.empty_box import REFUSALS, EmptyBox
+from grainfit.solvers.dem.liggghts.restarting_deck import LiggghtsRestartingDeck
 from grainfit.solvers.dem.liggghts.scene_deck import MISSING, LiggghtsSceneDeck
 from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.dem.restarting_deck import RestartingDeck
 from grainfit.solvers.speed import Speed
 
 _RESTITUTIONS = ("particle_particle.restitution", "particle_wall.restitution")
@@ -36,6 +38,7 @@ class Liggghts(DeckSolver):
     version_pattern: ClassVar[str] = r"LIGGGHTS \(Version ([^,)]+)"
     _own_log: ClassVar[str] = "log.liggghts"
     deck: ClassVar[type[SceneDeck]] = LiggghtsSceneDeck
+    restarting: ClassVar[type[RestartingDeck] | None] = LiggghtsRestartingDeck
     speed: ClassVar[Speed] = Speed(2.5e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
 

@@ -76,7 +76,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield command("newton", "off")
         yield command("communicate", "single vel yes")
         yield command("processors", "* * 1".ljust(23) + " # a bed is split from above only")
-        yield command("read_data", PARTICLES)
+        yield self.read_particles()
         yield command("neighbor", f"{0.3 * self.scene.sizes.sauter_diameter} bin")
         yield command("neigh_modify", "delay 0 every 1 check yes")
 
@@ -212,8 +212,8 @@ class LiggghtsSceneDeck(ScriptDeck):
     def first_walls(self) -> Iterator[str]:
         """Iterate over the walls of the beginning."""
         for name, wall in self.scene.walls.items():
-            yield from self._put(name, wall)
-        yield from self._all_walls()
+            yield from self.put(name, wall)
+        yield from self.all_walls()
 
     def change_walls(self, stage: Stage) -> Iterator[str]:
         """Take away and put walls: the one fix of all walls is made again."""
@@ -226,15 +226,16 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("unfix", name)
             del self.walls[name]
         for name, wall in stage.put.items():
-            yield from self._put(name, wall)
-        yield from self._all_walls()
+            yield from self.put(name, wall)
+        yield from self.all_walls()
 
-    def _put(self, name: str, wall: Wall) -> Iterator[str]:
+    def put(self, name: str, wall: Wall) -> Iterator[str]:
+        """Put a wall; `all_walls` follows."""
         self.walls[name] = wall
         if self._is_through(name):
-            yield from self._put_tube(name, wall)
+            yield from self.put_tube(name, wall)
             if name in self.moving_walls():
-                yield command("variable", f"{name}_travel equal 0.0")
+                yield command("variable", f"{name}_travel equal {self.travels.get(name, '0.0')}")
             return
         path = self.folder / f"{name}.stl"
         edge = 0.95 * self.scene.sizes.sauter_diameter
@@ -249,7 +250,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         if loads:
             yield command("fix_modify", f"{name} integrate stop")
         elif name in self.moving_walls():
-            yield command("variable", f"{name}_travel equal 0.0")
+            yield command("variable", f"{name}_travel equal {self.travels.get(name, '0.0')}")
 
     def _is_through(self, name: str) -> bool:
         """Return whether a wall is a tube through the box that stays, or turns about its axis."""
@@ -263,7 +264,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         axis = self.component(shape.axis)
         return shape.bottom <= box.low[axis] and shape.top >= box.high[axis]
 
-    def _put_tube(self, name: str, wall: Wall, speed: float = 0.0) -> Iterator[str]:
+    def put_tube(self, name: str, wall: Wall, speed: float = 0.0) -> Iterator[str]:
         """Put a tube through the box: it is exact, and has the forces of its own contacts.
 
         It turns about its axis with a speed, rad/s.
@@ -279,11 +280,11 @@ class LiggghtsSceneDeck(ScriptDeck):
         first = f"{name} {self.loose} wall/gran model {liggghts_model(self.law)}"
         yield continued(command("fix", first), [shape])
 
-    def _put_again(self, name: str, speed: float) -> Iterator[str]:
+    def put_tube_again(self, name: str, speed: float) -> Iterator[str]:
         """Put a tube through the box with another speed: its contacts lose their history."""
         yield from self.forget_sums(name)
         yield command("unfix", name)
-        yield from self._put_tube(name, self.walls[name], speed)
+        yield from self.put_tube(name, self.walls[name], speed)
 
     @property
     def _meshes(self) -> list[str]:
@@ -297,7 +298,8 @@ class LiggghtsSceneDeck(ScriptDeck):
             f"target_val {abs(load.force)} vel_max {load.largest_speed} kp {_gain(load)}"
         )
 
-    def _all_walls(self) -> Iterator[str]:
+    def all_walls(self) -> Iterator[str]:
+        """Iterate over the one fix of all walls that are meshes."""
         if not self._meshes:
             return
         meshes = f"mesh n_meshes {len(self._meshes)} meshes {' '.join(self._meshes)}"
@@ -313,12 +315,11 @@ class LiggghtsSceneDeck(ScriptDeck):
             yield command("fix_modify", f"{wall} ctrlParam {_gain(motion)} 0.0 0.0")
             yield command("fix_modify", f"{wall} integrate start")
             yield from self.record_force(wall, motion.along, f"{wall}_force")
-            column = 7 + self.component(motion.along)
-            yield command("variable", f"{wall}_travel equal f_{wall}[{column}]")
+            yield self.travel_of_servo(wall, motion.along)
             return
         if self._is_through(wall):
             assert isinstance(motion, Rotation)
-            yield from self._put_again(wall, motion.speed)
+            yield from self.put_tube_again(wall, motion.speed)
             yield from self.follow(wall, motion.speed)
             return
         vector = [0.0, 0.0, 0.0]
@@ -332,13 +333,17 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield command("fix", f"{wall}_motion all move/mesh mesh {wall} {moved}")
         yield from self.follow(wall, motion.speed)
 
+    def travel_of_servo(self, wall: str, along: str) -> str:
+        """Return the command that defines the variable of the travel of a wall under a load."""
+        return command("variable", f"{wall}_travel equal f_{wall}[{7 + self.component(along)}]")
+
     def stop_motion(self, wall: str, motion: Motion) -> Iterator[str]:
         """Stop a motion of a wall where it is."""
         if isinstance(motion, Load):
             yield command("fix_modify", f"{wall} integrate stop")
             return
         if self._is_through(wall):
-            yield from self._put_again(wall, 0.0)
+            yield from self.put_tube_again(wall, 0.0)
         else:
             yield command("unfix", f"{wall}_motion")
         yield from self.hold(wall)
