@@ -16,6 +16,8 @@ from grainfit.messages import Message
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.dem.restarting_deck import RestartingDeck
+from grainfit.solvers.dem.yade.restarting_deck import YadeRestartingDeck
 from grainfit.solvers.dem.yade.scene_deck import MISSING, YadeSceneDeck
 from grainfit.solvers.speed import Speed
 
@@ -36,6 +38,7 @@ class Yade(DeckSolver):
     version_option: ClassVar[str] = "--version"
     version_pattern: ClassVar[str] = r"Yade version: (\S+)"
     deck: ClassVar[type[SceneDeck]] = YadeSceneDeck
+    restarting: ClassVar[type[RestartingDeck] | None] = YadeRestartingDeck
     speed: ClassVar[Speed] = Speed(0.4e6)
     missing: ClassVar[Mapping[str, str]] = MISSING
     absent_parameters: ClassVar[tuple[str, ...]] = (

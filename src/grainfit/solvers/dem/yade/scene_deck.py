@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -103,49 +103,51 @@ class YadeSceneDeck(SceneDeck):
         InputError
             A period is too short, or a radial force is recorded of another wall than a tube.
         """
+        return fill("yade", self.values(), "scene.j2")
+
+    def values(self) -> Mapping[str, Any]:
+        """Return the values of the template."""
         scene = self.scene
         contact, body = self._between_particles(), yade_body(self.law)
         first_walls = [line for item in scene.walls.items() for line in self._put(*item)]
-        stages = [line for stage in scene.stages for line in self._stage(stage)]
-        return fill(
-            "yade",
-            {
-                "title": scene.title,
-                "clumps": None if scene.clumps is None else clump_shares(scene.clumps.clump),
-                "file_name": self.file_name,
-                "glued": list(scene.glued),
-                "prisms": "prism" in scene.concepts(),
-                "areas": "load on an area" in scene.concepts(),
-                "frictions": "friction of a stage" in scene.concepts(),
-                "time_step": scene.time_step,
-                "gravity": scene.gravity,
-                "low": tuple(scene.box.low),
-                "high": tuple(scene.box.high),
-                "periodic": [axis for axis, name in enumerate("xyz") if self._repeats(name)],
-                "periods": self._periods(),
-                "energy_at_rest": scene.energy_at_rest,
-                "energy_limit": scene.energy_limit,
-                "look_every": scene.steps(scene.check_interval),
-                "parameters": sorted(scene.material_on("wall").items()),
-                "surfaces": [(name, dict(own)) for name, own in sorted(scene.surfaces.items())],
-                "quoted": repr,
-                "functors": body.functors,
-                "particle": body.particle(contact),
-                "wall_materials": list(self._wall_materials(contact)),
-                "physics": yade_physics(self.law, contact),
-                "law": ", ".join(f"{n}={v}" for n, v, _ in yade_law(self.law, contact)),
-                "rolling": list(self._rolling()),
-                "rolling_every": _ROLLING_EVERY,
-                "after_step": list(self._after_step()),
-                "film_every": self._film_steps,
-                "film_file": FILM,
-                "verlet_distance": self._verlet_distance(),
-                "stages_header": STAGES_HEADER,
-                "first_walls": first_walls,
-                "stages": stages,
-            },
-            "scene.j2",
-        )
+        stages = [line for stage in scene.stages for line in self.stage(stage)]
+        return {
+            "title": scene.title,
+            "clumps": None if scene.clumps is None else clump_shares(scene.clumps.clump),
+            "file_name": self.file_name,
+            "glued": list(scene.glued),
+            "prisms": "prism" in scene.concepts(),
+            "areas": "load on an area" in scene.concepts(),
+            "frictions": "friction of a stage" in scene.concepts(),
+            "time_step": scene.time_step,
+            "gravity": scene.gravity,
+            "low": tuple(scene.box.low),
+            "high": tuple(scene.box.high),
+            "periodic": [axis for axis, name in enumerate("xyz") if self._repeats(name)],
+            "periods": self._periods(),
+            "energy_at_rest": scene.energy_at_rest,
+            "energy_limit": scene.energy_limit,
+            "look_every": scene.steps(scene.check_interval),
+            "parameters": sorted(scene.material_on("wall").items()),
+            "surfaces": [(name, dict(own)) for name, own in sorted(scene.surfaces.items())],
+            "quoted": repr,
+            "functors": body.functors,
+            "particle": body.particle(contact),
+            "wall_materials": list(self._wall_materials(contact)),
+            "physics": yade_physics(self.law, contact),
+            "law": ", ".join(f"{n}={v}" for n, v, _ in yade_law(self.law, contact)),
+            "rolling": list(self._rolling()),
+            "rolling_every": _ROLLING_EVERY,
+            "after_step": list(self._after_step()),
+            "film_every": self._film_steps,
+            "film_file": FILM,
+            "verlet_distance": self._verlet_distance(),
+            "stages_header": STAGES_HEADER,
+            "first_walls": first_walls,
+            "stages": stages,
+            "every": None,
+            "saved": None,
+        }
 
     # --- contacts ------------------------------------------------------------------------------
 
@@ -301,7 +303,7 @@ class YadeSceneDeck(SceneDeck):
 
     # --- stages --------------------------------------------------------------------------------
 
-    def _stage(self, stage: Stage) -> Iterator[str]:
+    def stage(self, stage: Stage) -> Iterator[str]:
         """Iterate over the lines of a stage."""
         yield heading(f"{stage.name}: {stage.remark}" if stage.remark else stage.name)
         yield ""
