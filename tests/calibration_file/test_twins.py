@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sqlite3
 from dataclasses import replace
 from pathlib import Path
 
@@ -82,6 +83,14 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     assert of_verdict.NOT_MEASURED.is_in(str(interrupted))
     predicted = setup.calibrate()
     assert predicted.status == "predicted"
+    # Every run of the searches and of the sizes, of which those of the first start are known.
+    runs = predicted.runs
+    assert runs.sizes >= 9
+    assert runs.total == runs.design + runs.optimisation + runs.verification + runs.sizes
+    with sqlite3.connect("pot.grainfit/runs.sqlite") as store:
+        [(made,)] = store.execute("SELECT count(*) FROM runs")
+    assert runs.total == made
+    assert 0 < runs.reused < runs.total
     assert not of_verdict.NOT_MEASURED.is_in(str(predicted))
     [pending] = [one for one in predicted.reasons if isinstance(one, FullSizePending)]
     [test] = pending.tests
@@ -93,9 +102,17 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     status = CliRunner().invoke(app, ["status", "pot.grainfit"])
     assert "pot: predicted" in status.output
     assert CliRunner().invoke(app, ["report", "pot.grainfit"]).exit_code == 0
-    assert of_report.PREDICTED() in Path("pot.grainfit/report.html").read_text()
-    card = CliRunner().invoke(app, ["export", "pot.grainfit", "--to", "json"])
-    assert json.loads(card.stdout)["status"] == "predicted"
+    report = Path("pot.grainfit/report.html").read_text()
+    assert of_report.PREDICTED() in report
+    assert "Test packing: " in report
+    assert "Test packing, smaller in the search: " in report
+    card = json.loads(CliRunner().invoke(app, ["export", "pot.grainfit", "--to", "json"]).stdout)
+    assert card["status"] == "predicted"
+    apparatus = dict(line.split(": ", 1) for line in card["apparatus"])
+    assert "cylinder_radius = 50 mm" in apparatus["Apparatus of packing, given"]
+    smaller = apparatus["Apparatus of packing, smaller in the search, given"]
+    assert "cylinder_radius = " in smaller
+    assert "cylinder_radius = 50 mm" not in smaller
 
     done = CliRunner().invoke(app, ["run", "pot.toml", "--full-size", "--no-report"])
     assert done.exit_code == 0, done.output
@@ -192,3 +209,18 @@ def test_targets_are_those_of_the_laboratory_and_less_sure() -> None:
     assert found.responses["angle"].standard_error >= 4.0
     assert found.probability_all_met is not None
     assert found.probability_all_met < 0.6
+
+
+def test_a_target_out_of_reach_has_both_uncertainties_by_name(tmp_path: Path) -> None:
+    problem = gf.Problem([gf.Parameter("mu", 0.1, 0.9)], [gf.Target("angle", 60.0, tolerance=1)])
+    twins = Twins({"angle": SizeRatio(1.0, 2.0)}, (RealTest("heap", 50_000, 1500),), True)
+    found = gf.calibrate(problem, lambda p, seed: {"angle": 10 + 40 * p["mu"]}, twins=twins, seed=2)
+
+    assert found.status == "unreachable"
+    [miss] = found.out_of_reach
+    expected = f"{found.responses['angle'].expected[1]:.1f}"
+    assert expected == "3.9"
+    words = of_verdict.WITH_RATIO(nearest=f"{miss.nearest:.1f} \u00b1 {expected}")
+    assert words in str(miss)
+    found.to_json(tmp_path / "result.json")
+    assert gf.Result.from_json(tmp_path / "result.json").out_of_reach == found.out_of_reach

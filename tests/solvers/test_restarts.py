@@ -1,4 +1,4 @@
-"""Long runs that are killed: they continue from LAMMPS' own restart file, with the same numbers."""
+"""Long runs that are killed: they continue from the restart file of their solver."""
 
 from __future__ import annotations
 
@@ -11,14 +11,18 @@ import sys
 import textwrap
 import threading
 import time
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from small_heaps import SMALL_HEAP
 
+import needs
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.worker import RunTask, execute
 from grainfit.evaluation import scalars
@@ -32,29 +36,37 @@ from grainfit.scenes.shapes import Block, Plane
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem import restarts
 from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.dem.program import DeckSolver
+from grainfit.solvers.dem.yade.program import Yade
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.testing.simulated_scenes import RADIUS, SIZES, material, scene_of, settle
 
 SMALL = Heap(diameter="10 mm", **SMALL_HEAP)
 ROUGH = material(0.4, 0.5)
+UNDAMPED = {n: 0.0 if n.endswith("rolling_damping") else v for n, v in GLASS_BEADS.items()}
+OTHERS = [
+    pytest.param(Liggghts, id="liggghts", marks=needs.LIGGGHTS),
+    pytest.param(Yade, id="yade", marks=needs.YADE),
+]
 #: Standard deviations of the small heap over 14 seeds. A break is one more roll of the dice: what
 #: follows differs in rounding, and collisions of a fill make another bed of that.
 SCATTER = {"bulk_density": 6.1, "angle_of_repose": 1.2, "base_radius": 0.0013}
 #: Runs that are killed: they count as long, and save about once in a tenth of a run.
 KILLED = """
     from pathlib import Path
-    from grainfit.bulk_tests.heap import Heap
+    from grainfit.bulk_tests.registry import bulk_tests
     from grainfit.campaign.batch import simulate_batch
     from grainfit.campaign.campaign import CampaignOptions
     from grainfit.evaluation import Proposal
     from grainfit.solvers.dem import restarts
-    from grainfit.solvers.dem.lammps.program import Lammps
-    from grainfit.testing.materials import GLASS_BEADS
+    from grainfit.solvers.registry import DEM_PROGRAMS
 
     restarts.LONG_RUN, restarts.INTERVAL = 0.0, 0.1
-    solver = Lammps(Heap(diameter="10 mm", **{heap!r}), GLASS_BEADS)
+    test = bulk_tests()[{test!r}](diameter="10 mm", **{options!r})
+    solver = DEM_PROGRAMS[{program!r}](test, {material!r})
     proposals = [Proposal({{}}, 5, "design")]
-    simulate_batch({{"heap": solver}}, proposals, Path({folder!r}), CampaignOptions())
+    simulate_batch({{"test": solver}}, proposals, Path({folder!r}), CampaignOptions())
 """
 
 
@@ -179,6 +191,30 @@ def assert_alike(out: RunOutput, unbroken: RunOutput) -> None:
     assert [frame.step for frame in out.frames("pushing")] == steps
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("program", OTHERS)
+def test_a_continued_run_of_another_program_is_its_unbroken_one(
+    program: type[DeckSolver], tmp_path: Path
+) -> None:
+    scene = pressed()
+    if program is Liggghts:
+        # It has one friction for all stages.
+        stages = tuple(replace(stage, sliding_friction=None) for stage in scene.stages)
+        scene = replace(scene, stages=stages)
+    solver, whole = program(SMALL, UNDAMPED), tmp_path / "whole"
+    whole.mkdir()
+    unbroken = solver.simulate(scene, Workspace(whole, 120.0), 3000)
+    folder = shutil.copytree(whole, tmp_path / "broken")
+    later, first = restarts.saved_states(folder, scene)
+    (folder / f"{later.file}.state").unlink()
+
+    out = solver.simulate(scene, Workspace(folder, 120.0), 3000)
+
+    assert first.stage == "press"
+    assert f"time step {first.step} of" in (folder / restarts.LOG).read_text()
+    assert_alike(out, unbroken)
+
+
 def test_a_damaged_restart_file_gives_way_to_the_one_before_and_then_to_a_new_start(
     unbroken: RunOutput, saving: dict[float, RunOutput], tmp_path: Path
 ) -> None:
@@ -234,32 +270,53 @@ def kill_all(process: subprocess.Popen[bytes], folder: Path) -> None:
     process.wait()
 
 
-def test_a_run_killed_at_random_moments_continues_by_itself_to_the_same_responses(
-    tmp_path: Path,
-) -> None:
+def killed(
+    tmp_path: Path, solver: DeckSolver, material: Mapping[str, float], options: object, times: int
+) -> tuple[Path, Path]:
+    """Return the folders of a run that was killed so many times, and of the unbroken one."""
     random_moments = random.Random(4)
-    folder = tmp_path / "runs of beads"
-    script = textwrap.dedent(KILLED).format(heap=SMALL_HEAP, folder=str(folder))
-    solver = Lammps(SMALL, GLASS_BEADS)
-    for _ in range(3):
+    folder, unbroken = tmp_path / "runs of beads", tmp_path / "unbroken"
+    about = {"program": solver.name, "test": solver.test.type, "material": dict(material)}
+    script = textwrap.dedent(KILLED).format(**about, options=options, folder=str(folder))
+    for _ in range(times):
         process = subprocess.Popen([sys.executable, "-c", script], start_new_session=True)
         wait_for(folder, "runs/*.partial/restart.*.state", process)
         time.sleep(random_moments.uniform(0.0, 0.5))
         kill_all(process, folder)
     subprocess.run([sys.executable, "-c", script], check=True)
-
     (run,) = (folder / "runs").iterdir()
-    notes = (run / restarts.LOG).read_text()
-    assert "continues at time step" in notes
+    assert "continues at time step" in (run / restarts.LOG).read_text()
     assert not list(run.glob("restart.*"))
-    unbroken = tmp_path / "unbroken"
     unbroken.mkdir()
-    expected = scalars(solver.run({}, 5, Workspace(unbroken, 120.0)))
-    found = scalars(SMALL.measure(RunOutput(run)))
+    solver.run({}, 5, Workspace(unbroken, 120.0))
+    return run, unbroken
+
+
+def assert_of_one_scatter(solver: DeckSolver, run: Path, unbroken: Path) -> None:
+    expected = scalars(solver.test.measure(RunOutput(unbroken)))
+    found = scalars(solver.test.measure(RunOutput(run)))
     for name, scatter in SCATTER.items():
-        assert found[name].value == pytest.approx(expected[name].value, abs=6 * scatter), name
+        if name in expected:
+            assert found[name].value == pytest.approx(expected[name].value, abs=6 * scatter), name
     names = [stage.name for stage in RunOutput(unbroken).stages]
     assert [stage.name for stage in RunOutput(run).stages] == names
+
+
+def test_a_run_killed_at_random_moments_continues_by_itself_to_the_same_responses(
+    tmp_path: Path,
+) -> None:
+    solver = Lammps(SMALL, GLASS_BEADS)
+    assert_of_one_scatter(solver, *killed(tmp_path, solver, GLASS_BEADS, SMALL_HEAP, 3))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("program", OTHERS)
+def test_a_run_of_another_program_is_killed_and_continues(
+    program: type[DeckSolver], tmp_path: Path
+) -> None:
+    options = {"cylinder_radius": 0.03, "fill_height": 0.05}
+    solver = program(bulk_tests()["packing"](diameter="10 mm", **options), UNDAMPED)
+    assert_of_one_scatter(solver, *killed(tmp_path, solver, UNDAMPED, options, 1))
 
 
 @pytest.mark.parametrize("kind", ["cancelled", "machine"])

@@ -14,6 +14,7 @@ DAMAGED_DEFINITION = Message(
 )
 GIVEN = Message("Apparatus of {test}, given: {values}.")
 ASSUMED = Message("Apparatus of {test}, assumed: {values}.")
+SMALLER = Message("{test}, smaller in the search")
 NEVER_DESCRIBED = Message(
     "The apparatus of {test} is not described, so all of it is assumed: {values}.",
     "Describe that of the laboratory in [[test]], so that the same test is simulated.",

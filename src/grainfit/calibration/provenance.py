@@ -21,12 +21,15 @@ class Provenance:
         Parameters that are not free, by name, in SI units.
     units : mapping of str to str
         SI units of the parameters that have one.
+    laboratory : mapping of str to mapping
+        Definitions of the tests of which a smaller apparatus is simulated, by name.
     """
 
     file: str = ""
     text: str = ""
     fixed: Mapping[str, float] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Provenance:
@@ -36,4 +39,5 @@ class Provenance:
             text=str(data.get("text", "")),
             fixed={str(name): float(value) for name, value in data.get("fixed", {}).items()},
             units={str(name): str(unit) for name, unit in data.get("units", {}).items()},
+            laboratory=dict(data.get("laboratory", {})),
         )

@@ -88,6 +88,13 @@ class Twins:
             for name, found in result.responses.items()
         }
         pending = FullSizePending(self.tests, self.are_measured)
+        misses = tuple(
+            replace(one, ratio_error=self.ratios[one.target].standard_error)
+            if one.target in self.ratios
+            else one
+            for one in result.out_of_reach
+        )
+        result = replace(result, out_of_reach=misses)
         return _with(result, responses, (*result.reasons, pending))
 
     def at_full_size(

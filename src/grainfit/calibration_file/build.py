@@ -130,7 +130,9 @@ class CalibrationSetup:
         with suppress(OSError):
             text = self.file.path.read_text(encoding="utf-8", errors="replace")
         fixed = self.file.fixed
-        return Provenance(self.file.path.name, text, fixed, material_units(fixed))
+        laboratory = {name: self.solvers[name].model()["test"] for name in self.twins}
+        units = material_units(fixed)
+        return Provenance(self.file.path.name, text, fixed, units, laboratory)
 
     @property
     def missing_for_time_step(self) -> tuple[str, ...]:

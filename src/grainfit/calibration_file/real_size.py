@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
@@ -15,7 +16,7 @@ from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.twins import SizeRatio, Twins
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.twins import SEEDS, first_twins, sizes_at_answer
-from grainfit.campaign.batch import simulate_batch
+from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.open_campaign import open_campaign
@@ -25,7 +26,7 @@ from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import in_a_row
 from grainfit.problem import Problem
-from grainfit.result import Result
+from grainfit.result import Result, RunCounts
 from grainfit.solvers.base import Solver
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.reasons import FullSizeFailed, FullSizeMade
@@ -97,7 +98,7 @@ class RealSizeCalibration:
         self._find = search
         self._options = options
         self._result: Result | None = None
-        self._notices: list[str] = []
+        self._runs = _AllRuns()
 
     def run(self) -> Result:
         """Search, learn the ratios at the answer, search again; verify what there are runs for.
@@ -133,8 +134,11 @@ class RealSizeCalibration:
         self._options.on_phase(words)
 
     def _search(self, twins: Twins) -> Result:
-        self._result = self._find(twins)
-        return self._result
+        found = self._find(twins)
+        self._result = counted = self._runs.with_search(found)
+        if counted.runs != found.runs:
+            counted.to_json(self._folder / RESULT_NAME)
+        return counted
 
     # Ratios -----------------------------------------------------------------------------------
 
@@ -172,7 +176,7 @@ class RealSizeCalibration:
             self._options.timeouts,
             self._options.executor,
         )
-        return simulate_sizes(plan, self._folder).tests[0]
+        return simulate_sizes(plan, self._folder, self._runs.add_sizes).tests[0]
 
     def _has_moved(self, before: Twins, after: Twins) -> bool:
         """Return whether a target moved by more than its tolerance from one ratio to another."""
@@ -226,7 +230,7 @@ class RealSizeCalibration:
                     return None
         tests = in_a_row(f"{one.test} ({one.particles:,} particles)" for one in twins.tests)
         self._say(messages.FULL_SIZE_RUN(number=number, tests=tests))
-        [found] = simulate_batch(solvers, [proposal], self._folder, making)
+        [found] = simulate_batch(solvers, [proposal], self._folder, making, self._runs.add_sizes)
         if len(solvers) == 1 and len(self._solvers) > 1:
             [name] = solvers
             named = {response_name(name, n, 2): one for n, one in found.responses.items()}
@@ -235,12 +239,49 @@ class RealSizeCalibration:
 
     def _keep(self, result: Result) -> Result:
         """Write a result and its status, instead of those of the search."""
-        self._result = result
+        self._result = result = self._runs.with_sizes(result)
         folder = self._folder.absolute()
         with hold(folder), closing(RunStore.in_folder(folder)) as store:
             store.end_calibration(result.identity, result.status)
             result.to_json(folder / RESULT_NAME)
         return result
+
+
+class _AllRuns:
+    """Runs of all searches, and those that compare sizes."""
+
+    def __init__(self) -> None:
+        #: Stage of each run of a search, and whether it failed, by identity.
+        self._searched: dict[str, tuple[str, bool]] = {}
+        #: Runs of other sizes, and all runs that this start made.
+        self._sizes = self._made = 0
+
+    def add_sizes(self, work: ExpectedWork) -> None:
+        """Count runs that compare sizes, or are at full size."""
+        self._sizes += work.runs + work.known
+        self._made += work.runs
+
+    def with_search(self, result: Result) -> Result:
+        """Return the result of one more search with the runs of all."""
+        self._made += result.runs.total - result.runs.reused
+        for one in result.history:
+            for test, run in one.runs.items():
+                self._searched.setdefault(run, (one.stage, test in one.failures))
+        return self.with_sizes(result)
+
+    def with_sizes(self, result: Result) -> Result:
+        """Return a result with the runs of all searches, and of other sizes."""
+        stages = Counter(stage for stage, _ in self._searched.values())
+        total = len(self._searched) + self._sizes
+        counts = RunCounts(
+            **stages,
+            failed=sum(failed for _, failed in self._searched.values()),
+            reused=total - self._made,
+            total=total,
+            warm_start_runs=result.runs.warm_start_runs,
+            sizes=self._sizes,
+        )
+        return replace(result, runs=counts)
 
 
 def _made(name: str, value: float, result: Result) -> FullSizeMade:

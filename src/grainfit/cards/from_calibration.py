@@ -9,6 +9,7 @@ from grainfit.analysis.soft_particles import of_hertz, stiffness_notes
 from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
+from grainfit.bulk_tests.messages import SMALLER
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.cards import messages
 from grainfit.contact_models.registry import contact_law, in_order, material_parameter
@@ -23,6 +24,7 @@ from grainfit.work_folder.saved_calibration import (
     bulk_tests_of,
     contact_models_of,
     read_answer,
+    twins_of,
 )
 
 
@@ -151,15 +153,18 @@ def _programs(reading: SavedCalibration) -> list[Program]:
 def _apparatus(
     reading: SavedCalibration, tests: Mapping[str, BulkTest], parameters: Iterable[CardParameter]
 ) -> Iterator[str]:
-    """Yield the apparatus of every bulk test, as its runs record it."""
+    """Yield the apparatus of every bulk test, and the smaller one that was simulated for it."""
     values = {parameter.name: parameter.value for parameter in parameters}
     walls = {
         record.test: record.definition.model.get("walls", {}) for record in reading.records.values()
     }
+    twins = twins_of(reading)
     for name, test in tests.items():
-        yield from apparatus_lines(
-            name or "the test", apparatus_of(test, None, values, walls[name])
-        )
+        shown = name or "the test"
+        yield from apparatus_lines(shown, apparatus_of(test, None, values, walls[name]))
+        if name in twins:
+            smaller = apparatus_of(twins[name], None, values, walls[name])
+            yield from apparatus_lines(SMALLER(test=shown), smaller)
 
 
 def _contact_models(

@@ -287,7 +287,9 @@ class RunCounts:
 
     ``reused`` of the ``total`` were known before this start (from an interrupted start or another
     calibration) and were not simulated again; ``failed`` of them gave no responses. In addition,
-    there was a warm start from ``warm_start_runs`` earlier runs of other calibrations.
+    there was a warm start from ``warm_start_runs`` earlier runs of other calibrations. With smaller
+    apparatus for real ones, those of all searches count, and ``sizes`` are those that compare
+    sizes, or are at full size.
     """
 
     design: int = 0
@@ -297,13 +299,15 @@ class RunCounts:
     reused: int = 0
     total: int = 0
     warm_start_runs: int = 0
+    sizes: int = 0
 
     def __str__(self) -> str:
         earlier = self.warm_start_runs
+        sizes = f" + {self.sizes} of other sizes" if self.sizes else ""
         warm = f", warm start from {counted(earlier, 'earlier run')}" if earlier else ""
         return (
             f"{self.total} = {self.design} design + {self.optimisation} optimisation + "
-            f"{self.verification} verification; {self.failed} failed, {self.reused} reused{warm}"
+            f"{self.verification} verification{sizes}; {self.failed} failed, {self.reused} reused{warm}"
         )
 
 

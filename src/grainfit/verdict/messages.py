@@ -153,6 +153,7 @@ OUT_OF_REACH = Message(
     "{target} = {value} is out of reach{together}: the nearest that the metamodels expect within "
     "the intervals is {nearest}{share}."
 )
+WITH_RATIO = Message("; with the uncertainty of the ratio to the real apparatus, {nearest}")
 CURVE_OUT_OF_REACH = Message(
     "{target} is out of reach{together}: the nearest curve that the metamodels expect within the "
     "intervals {miss}."

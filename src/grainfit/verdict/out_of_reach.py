@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -79,6 +80,8 @@ class OutOfReach:
         Of a target that is a curve.
     unit, parameter_unit : str
         Units of the target and of the parameter.
+    ratio_error : float
+        Standard error that the ratio of the real apparatus to a simulated one adds; else 0.
     """
 
     target: str
@@ -94,6 +97,7 @@ class OutOfReach:
     curve: CurveMiss | None = None
     unit: str = ""
     parameter_unit: str = ""
+    ratio_error: float = 0.0
 
     @property
     def shortfall_percent(self) -> float | None:
@@ -131,5 +135,13 @@ class OutOfReach:
             value=value_with_unit(self.value, self.unit),
             together=together,
             nearest=with_unit(nearest, unit_for_people(self.unit)),
-            share=share,
+            share=share + self._with_ratio(),
         )
+
+    def _with_ratio(self) -> str:
+        """Return the interval with what the ratio to the real apparatus adds, if there is one."""
+        if not self.ratio_error:
+            return ""
+        error = math.hypot(self.standard_error, self.ratio_error)
+        nearest = plain_interval(self.nearest, NORMAL_QUANTILE * error)
+        return messages.WITH_RATIO(nearest=with_unit(nearest, unit_for_people(self.unit)))

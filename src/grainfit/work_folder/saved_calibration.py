@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
@@ -83,6 +83,8 @@ class SavedCalibration:
         Reason why it stopped, if it failed.
     strategy_options : mapping
         Options of the strategy that determine its runs.
+    laboratory : mapping of str to mapping
+        Definitions of the tests of which a smaller apparatus is simulated, by name.
     """
 
     folder: Path
@@ -108,6 +110,7 @@ class SavedCalibration:
     max_runs: int | None = None
     failure: str = ""
     strategy_options: Mapping[str, Any] = field(default_factory=dict)
+    laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @classmethod
     def open(cls, folder: str | Path) -> SavedCalibration:
@@ -233,12 +236,27 @@ class SavedCalibration:
 
 
 def bulk_tests_of(saved: SavedCalibration) -> dict[str, BulkTest]:
-    """Return the bulk tests of the runs, by name of the test, as far as they are known."""
+    """Return the bulk tests of the laboratory, by name of the test, as far as they are known."""
+    return _recreated(saved, saved.laboratory)
+
+
+def twins_of(saved: SavedCalibration) -> dict[str, BulkTest]:
+    """Return the tests in a smaller apparatus that were simulated instead, by name of the test."""
+    return {n: test for n, test in _recreated(saved, {}).items() if n in saved.laboratory}
+
+
+def _recreated(
+    saved: SavedCalibration, instead: Mapping[str, Mapping[str, Any]]
+) -> dict[str, BulkTest]:
+    """Return the bulk tests of the runs, or of the definitions that stand instead of them."""
     tests = {}
     for record in saved.records.values():
         if record.test not in tests and not is_relative(record.test):
+            known = record.definition
+            if record.test in instead:
+                known = replace(known, model={**known.model, "test": instead[record.test]})
             with suppress(InputError):
-                tests[record.test] = recreate_test(record.definition)
+                tests[record.test] = recreate_test(known)
     return {name: test for name, test in tests.items() if test is not None}
 
 
@@ -303,6 +321,7 @@ def _saved(
         max_runs=about.get("max_runs"),
         failure=opened.failure,
         strategy_options=dict(definition.get("options", {})),
+        laboratory=provenance.laboratory,
     )
 
 

@@ -27,10 +27,8 @@ class RestartingScript(RestartingDeck, ScriptDeck):
     """A scene as a script that writes restart files; see `RestartingDeck`."""
 
     particle_files: ClassVar[tuple[str, ...]] = (PARTICLES,)
-    #: Further arguments of ``write_restart``, of the run of a stage that is looked at, and of
-    #: ``read_restart``.
+    #: Further arguments of ``write_restart`` and of ``read_restart``.
     writing: ClassVar[str] = ""
-    pieces: ClassVar[str] = ""
     reading: ClassVar[str] = ""
     #: Command that ends the program with an error.
     give_up: ClassVar[str]
@@ -75,11 +73,14 @@ class RestartingScript(RestartingDeck, ScriptDeck):
 
     def steps(self, stage: Stage, number: int, without: str = "post no") -> Iterator[str]:
         """Simulate time steps of a stage; save before them, and between them."""
-        save, piece = f"include {_save_file(stage)}", max(1, self._every // _LOOKS)
         yield command("variable", f"upto equal ${{now}}+{number}")
-        yield save
-        pieces = f'{self.pieces}{without} every {piece} "{save}"' if number > piece else without
-        yield command("run", f"{number} {pieces}")
+        yield from self.in_pieces(
+            number, max(1, self._every // _LOOKS), f"include {self._save_file(stage)}", without
+        )
+
+    @abstractmethod
+    def in_pieces(self, number: int, piece: int, save: str, without: str) -> Iterator[str]:
+        """Simulate time steps; include the commands that save before each piece."""
 
     def _write_save(self, stage: Stage) -> None:
         """Write the commands that save, when it is due, in a stage."""
@@ -106,7 +107,11 @@ class RestartingScript(RestartingDeck, ScriptDeck):
             command("if", '"(${now} >= ${due}) && (${outside} == 0)" then'),
             [f'"{one}"' for one in commands],
         )
-        (self.folder / _save_file(stage)).write_text(line + "\n", encoding="ascii")
+        (self.folder / self._save_file(stage)).write_text(line + "\n", encoding="ascii")
+
+    def _save_file(self, stage: Stage) -> str:
+        """Return the name of the file with the commands that save in a stage."""
+        return f"save_{stage.name}.{self.file_name.removeprefix('in.')}"
 
     def _moving(self) -> list[str]:
         """Return the walls that are there and move in some stage."""
@@ -179,8 +184,3 @@ class RestartingScript(RestartingDeck, ScriptDeck):
             yield from self.stage(later)
         yield command("jump", "SELF end")
         yield from self.ends()
-
-
-def _save_file(stage: Stage) -> str:
-    """Return the name of the file with the commands that save in a stage."""
-    return f"save.{stage.name}"

@@ -8,6 +8,7 @@ from typing import Any
 
 from grainfit.analysis.soft_particles import of_hertz, stiffness_notes
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.messages import SMALLER
 from grainfit.formatting import (
     duration,
     number,
@@ -21,7 +22,7 @@ from grainfit.report.sections.answer.next_step import next_step
 from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result, RunCounts
-from grainfit.work_folder.saved_calibration import bulk_tests_of, contact_models_of
+from grainfit.work_folder.saved_calibration import bulk_tests_of, contact_models_of, twins_of
 
 
 def answer(context: ReportContext) -> Section:
@@ -52,10 +53,16 @@ def answer(context: ReportContext) -> Section:
         time_step=_time_step(result) if result else None,
         cost=_cost(context),
         notices=list(_notices(context, tests)),
-        tests=simulated_tests(tests),
+        tests=simulated_tests(_with_twins(context, tests)),
         **next_step(context),
     )
     return Section("answer", "Answer", html)
+
+
+def _with_twins(context: ReportContext, tests: Mapping[str, BulkTest]) -> dict[str, BulkTest]:
+    """Return the tests, and the smaller ones that were simulated for them."""
+    twins = twins_of(context.reading)
+    return {**tests, **{SMALLER(test=name): twin for name, twin in twins.items()}}
 
 
 def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:

@@ -13,6 +13,7 @@ from grainfit.scenes.scene import Rotation, Scene, Stage, Wall
 from grainfit.solvers.dem.liggghts.scene_deck import LiggghtsSceneDeck
 from grainfit.solvers.dem.restarting_script import RestartingScript
 from grainfit.solvers.dem.restarts import Saved
+from grainfit.solvers.dem.script_syntax import command
 
 
 class LiggghtsRestartingDeck(RestartingScript, LiggghtsSceneDeck):
@@ -31,6 +32,12 @@ class LiggghtsRestartingDeck(RestartingScript, LiggghtsSceneDeck):
     def follows(self, wall: str) -> bool:
         """Return whether a variable of the deck alone knows where a moving wall is."""
         return not self.is_loaded(wall)
+
+    def in_pieces(self, number: int, piece: int, save: str, without: str) -> Iterator[str]:
+        """Simulate time steps in runs of their own: within a run, LIGGGHTS includes no file."""
+        for first in range(0, max(number, 1), piece):
+            yield save
+            yield command("run", f"{min(piece, number - first)} {without}")
 
     def put_again(self, walls: dict[str, Wall], stage: Stage) -> Iterator[str]:
         """Put the walls that are there in a stage, which goes on."""
