@@ -19,12 +19,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from small_heaps import SMALL_HEAP
+from typer.testing import CliRunner
 
 import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.calibration_file.starter import starter_file
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.worker import RunTask, execute
+from grainfit.cli.app import app
 from grainfit.evaluation import scalars
 from grainfit.scenes.conditions import Elapsed, Loaded
 from grainfit.scenes.film import FILM
@@ -213,6 +216,23 @@ def test_a_continued_run_of_another_program_is_its_unbroken_one(
     assert first.stage == "press"
     assert f"time step {first.step} of" in (folder / restarts.LOG).read_text()
     assert_alike(out, unbroken)
+
+
+def test_what_starts_anew_after_a_kill_is_said_by_check(tmp_path: Path) -> None:
+    large = bulk_tests()["drum"](diameter="2 mm", drum_radius="300 mm")
+
+    assert "glued particles" in Lammps(large, UNDAMPED).starts_anew({})
+    assert "glued particles" in Liggghts(large, UNDAMPED).starts_anew({})
+    assert not Yade(large, UNDAMPED).starts_anew({})
+    # A short run makes no fuss.
+    short = bulk_tests()["drum"](diameter="10 mm")
+    assert not Lammps(short, UNDAMPED).starts_anew({})
+    path = tmp_path / "drum.toml"
+    kind = 'type = "drum"'
+    text = starter_file(["drum"]).replace(kind, f'drum_radius = "1 m"\n{kind}')
+    path.write_text(text, encoding="utf-8")
+    shown = " ".join(CliRunner().invoke(app, ["check", str(path)]).output.split())
+    assert "One that is killed starts anew: LAMMPS does not continue glued particles" in shown
 
 
 def test_a_damaged_restart_file_gives_way_to_the_one_before_and_then_to_a_new_start(

@@ -45,6 +45,8 @@ def _note(name: str, context: CheckContext) -> str:
         return ""
     offers = [*_coarser(name, test, context), *_twin(name, test, context)]
     words = f"Test {name}: a run takes about {duration(cost.wall_seconds)}."
+    if why := solver.starts_anew(middle):
+        words += f" One that is killed starts anew: {why}."
     return " ".join([words, *offers])
 
 

@@ -230,6 +230,9 @@ class RealSizeCalibration:
                     return None
         tests = in_a_row(f"{one.test} ({one.particles:,} particles)" for one in twins.tests)
         self._say(messages.FULL_SIZE_RUN(number=number, tests=tests))
+        for name, solver in solvers.items():
+            if why := solver.starts_anew(result.parameters):
+                self._say(messages.STARTS_ANEW(test=name, why=why))
         [found] = simulate_batch(solvers, [proposal], self._folder, making, self._runs.add_sizes)
         if len(solvers) == 1 and len(self._solvers) > 1:
             [name] = solvers

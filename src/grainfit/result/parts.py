@@ -307,7 +307,8 @@ class RunCounts:
         warm = f", warm start from {counted(earlier, 'earlier run')}" if earlier else ""
         return (
             f"{self.total} = {self.design} design + {self.optimisation} optimisation + "
-            f"{self.verification} verification{sizes}; {self.failed} failed, {self.reused} reused{warm}"
+            f"{self.verification} verification{sizes}; {self.failed} failed, "
+            f"{self.reused} reused{warm}"
         )
 
 

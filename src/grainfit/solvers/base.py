@@ -285,6 +285,13 @@ class Solver(ABC):
         """Estimate the cost of a run; None if it is unknown."""
         return None
 
+    def starts_anew(self, parameters: Mapping[str, float]) -> str:  # noqa: ARG002
+        """Return why a long run that is killed starts anew; empty if it goes on, or is short.
+
+        Models of the user, which write no restart files of grainfit, return an empty text.
+        """
+        return ""
+
     def estimate_cost_of(self, test: BulkTest, material: Mapping[str, float]) -> RunCost:
         """Estimate the cost of a run of any bulk test.
 

@@ -52,6 +52,7 @@ from grainfit.errors import (
 )
 from grainfit.evaluation import Measured
 from grainfit.files import log_tail, text_of
+from grainfit.formatting import in_a_row
 from grainfit.materials.particle_shape import ASPECT_RATIO, aspect_ratio_faults
 from grainfit.materials.walls import plain_name, wall_of
 from grainfit.messages import Message
@@ -325,7 +326,7 @@ class DeckSolver(Solver):
     def _simulate_long(self, scene: Scene, workspace: Workspace, every: int) -> None:
         """Run the program so that a run that is killed can be continued, if it can be."""
         folder, restarting = workspace.folder, self.restarting
-        why = self._restart_refusal(scene)
+        why = self._why_anew(scene.concepts())
         if restarting is None or why:
             note(folder, messages.NO_RESTARTS(why=why))
             self._simulate(self.deck(scene, folder).write(), workspace)
@@ -360,12 +361,20 @@ class DeckSolver(Solver):
         note(folder, messages.UNUSABLE_RESTART(file=saved.file, reason=reason))
         return False
 
-    def _restart_refusal(self, scene: Scene) -> str:
-        """Return why runs of a scene start anew after a kill; empty if they are continued."""
+    @override
+    def starts_anew(self, parameters: Mapping[str, float]) -> str:
+        material = self._parts.material_of_test(self.run_parameters(parameters))
+        if steps_between(self.estimate_cost_of(self.test, material)) is None:
+            return ""
+        return self._why_anew(concepts(self.test, material))
+
+    def _why_anew(self, concepts: Iterable[str]) -> str:
+        """Return why runs with these concepts start anew after a kill; empty if they go on."""
         if self.restarting is None:
             return messages.NO_RESTARTS_OF_SOLVER(solver=self.title)
-        what = self.restarting.refusal(scene)
-        return what and messages.NO_RESTARTS_OF(solver=self.title, what=what)
+        inexact = self.restarting.inexact
+        what = [inexact[name] for name in sorted(concepts) if name in inexact]
+        return messages.NO_RESTARTS_OF(solver=self.title, what=in_a_row(what)) if what else ""
 
     def _ended_empty(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import ClassVar
@@ -18,7 +19,7 @@ class RestartingDeck(SceneDeck):
     Parameters
     ----------
     scene : Scene
-        The scene to translate, of which `refusal` refuses nothing.
+        The scene to translate, with no concept of `inexact`.
     folder : Path
         Folder of the run; everything that the solver reads is written there.
     every : int
@@ -27,6 +28,8 @@ class RestartingDeck(SceneDeck):
         State of the restart file that a run continues from.
     """
 
+    #: Concepts of scenes whose runs it does not continue exactly, in words.
+    inexact: ClassVar[Mapping[str, str]] = {}
     #: Files of the particles of the beginning, which the deck reads.
     particle_files: ClassVar[tuple[str, ...]]
     #: Deck that continues a run.
@@ -39,11 +42,6 @@ class RestartingDeck(SceneDeck):
         super().__init__(scene, folder)
         self._every = every
         self._saved = saved
-
-    @staticmethod
-    @abstractmethod
-    def refusal(scene: Scene) -> str:
-        """Return what of a scene keeps its runs from being continued; empty if nothing does."""
 
     @property
     def saved(self) -> Saved:

@@ -8,7 +8,7 @@ next look.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
 
@@ -26,6 +26,7 @@ _LOOKS = 4
 class RestartingScript(RestartingDeck, ScriptDeck):
     """A scene as a script that writes restart files; see `RestartingDeck`."""
 
+    inexact: ClassVar[Mapping[str, str]] = {"clumps": "clumps", "glued": "glued particles"}
     particle_files: ClassVar[tuple[str, ...]] = (PARTICLES,)
     #: Further arguments of ``write_restart`` and of ``read_restart``.
     writing: ClassVar[str] = ""
@@ -37,13 +38,6 @@ class RestartingScript(RestartingDeck, ScriptDeck):
         super().__init__(scene, folder, every, saved)
         #: Walls that are there in the stage that is being written.
         self._there: dict[str, Wall] = {}
-
-    @staticmethod
-    def refusal(scene: Scene) -> str:
-        """Return what of a scene keeps its runs from being continued; empty if nothing does."""
-        if scene.clumps is not None:
-            return "clumps"
-        return "glued particles" if scene.glued else ""
 
     # --- saving --------------------------------------------------------------------------------
 

@@ -113,9 +113,7 @@ def clear(folder: Path) -> None:
             path.unlink()
 
 
-def cut_output(
-    folder: Path, scene: Scene, saved: Saved, first_row: int, first_frame: int
-) -> None:
+def cut_output(folder: Path, scene: Scene, saved: Saved, first_row: int, first_frame: int) -> None:
     """Remove from the output of a run what it wrote after a restart file.
 
     Of series and frames, that is from these time steps on.

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar
 
-from grainfit.scenes.scene import Scene
 from grainfit.solvers.dem.restarting_deck import RestartingDeck
 from grainfit.solvers.dem.restarts import IS_READ
 from grainfit.solvers.dem.yade.scene_deck import YadeSceneDeck
@@ -27,11 +26,6 @@ class YadeRestartingDeck(RestartingDeck, YadeSceneDeck):
         """Files of the particles of the beginning."""
         clumps = ("clumps.txt",) if self.scene.clumps is not None else ()
         return ("particles.txt", *clumps, *(("glued.txt",) if self.scene.glued else ()))
-
-    @staticmethod
-    def refusal(scene: Scene) -> str:  # noqa: ARG004
-        """Return an empty text: all scenes can be continued."""
-        return ""
 
     def values(self) -> Mapping[str, Any]:
         """Return the values of the template."""
