@@ -109,10 +109,10 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     card = json.loads(CliRunner().invoke(app, ["export", "pot.grainfit", "--to", "json"]).stdout)
     assert card["status"] == "predicted"
     apparatus = dict(line.split(": ", 1) for line in card["apparatus"])
-    assert "cylinder_radius = 50 mm" in apparatus["Apparatus of packing, given"]
+    assert "cylinder radius 50 mm" in apparatus["Apparatus of packing, given"]
     smaller = apparatus["Apparatus of packing, smaller in the search, given"]
-    assert "cylinder_radius = " in smaller
-    assert "cylinder_radius = 50 mm" not in smaller
+    assert "cylinder radius " in smaller
+    assert "cylinder radius 50 mm" not in smaller
 
     done = CliRunner().invoke(app, ["run", "pot.toml", "--full-size", "--no-report"])
     assert done.exit_code == 0, done.output

@@ -30,8 +30,6 @@ class RestartingDeck(SceneDeck):
 
     #: Concepts of scenes whose runs it does not continue exactly, in words.
     inexact: ClassVar[Mapping[str, str]] = {}
-    #: Files of the particles of the beginning, which the deck reads.
-    particle_files: ClassVar[tuple[str, ...]]
     #: Deck that continues a run.
     continued_name: ClassVar[str] = "in.continue"
     #: Whether a continued run writes the rows, and the frames, of its first time step again.
@@ -42,6 +40,11 @@ class RestartingDeck(SceneDeck):
         super().__init__(scene, folder)
         self._every = every
         self._saved = saved
+
+    @property
+    @abstractmethod
+    def particle_files(self) -> tuple[str, ...]:
+        """Files of the particles of the beginning, which the deck reads."""
 
     @property
     def saved(self) -> Saved:

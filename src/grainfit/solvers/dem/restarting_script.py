@@ -27,7 +27,6 @@ class RestartingScript(RestartingDeck, ScriptDeck):
     """A scene as a script that writes restart files; see `RestartingDeck`."""
 
     inexact: ClassVar[Mapping[str, str]] = {"clumps": "clumps", "glued": "glued particles"}
-    particle_files: ClassVar[tuple[str, ...]] = (PARTICLES,)
     #: Further arguments of ``write_restart`` and of ``read_restart``.
     writing: ClassVar[str] = ""
     reading: ClassVar[str] = ""
@@ -38,6 +37,11 @@ class RestartingScript(RestartingDeck, ScriptDeck):
         super().__init__(scene, folder, every, saved)
         #: Walls that are there in the stage that is being written.
         self._there: dict[str, Wall] = {}
+
+    @property
+    def particle_files(self) -> tuple[str, ...]:
+        """Files of the particles of the beginning, which the deck reads."""
+        return (PARTICLES,)
 
     # --- saving --------------------------------------------------------------------------------
 
