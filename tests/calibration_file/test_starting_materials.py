@@ -30,6 +30,7 @@ from grainfit.units import to_unit
 PAGE = Path(__file__).parents[2] / "docs" / "starting_materials.md"
 ENERGY = "particle_particle.surface_energy"
 DENSITY = "particle_particle.cohesion_energy_density"
+#: Materials whose files have every parameter; those of the others follow from what is published.
 MATERIALS = (
     "corn",
     "dry_sand",
@@ -43,7 +44,7 @@ MATERIALS = (
 
 
 def test_the_materials_are_known_by_name() -> None:
-    assert starting_material_names() == MATERIALS
+    assert set(MATERIALS) < set(starting_material_names())
 
 
 @pytest.mark.parametrize("material", [None, *MATERIALS])
@@ -304,7 +305,7 @@ def test_names_are_found_however_they_are_written(name: str) -> None:
     assert read_starting_material(name).title == "iron ore fines"
 
 
-@pytest.mark.parametrize("name", ["wood", "", "../starting/wheat", "wheat.toml"])
-def test_an_unknown_material_is_answered_with_the_list(name: str) -> None:
-    with pytest.raises(InputError, match=r"is no starting material\. Use one of corn, .*, wheat\."):
+@pytest.mark.parametrize("name", ["", "../starting/wheat", "wheat.toml", "xqzwv"])
+def test_an_unknown_material_is_answered_with_where_to_look(name: str) -> None:
+    with pytest.raises(InputError, match=r"is no starting material\..*'grainfit materials' lists"):
         read_starting_material(name)

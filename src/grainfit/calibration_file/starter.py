@@ -19,7 +19,8 @@ from grainfit.calibration_file.examples import (
 )
 from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import Fault, InputError
-from grainfit.materials.starting_materials import StartingMaterial, StartingValue
+from grainfit.materials.starting_materials import StartingMaterial
+from grainfit.materials.starting_values import StartingValue
 from grainfit.options.tables import Key
 from grainfit.solvers.other_names import instead_of_program, instead_of_test
 from grainfit.solvers.registry import DEM_PROGRAMS
@@ -178,7 +179,11 @@ def _sections(material: StartingMaterial, solver: str, tests: Sequence[BulkTest]
         "and a value is as good as the source above it. Measure what you can; the intervals are of "
         "what is to be found."
     )
-    yield from (f"# {line}" for line in material.about)
+    yield from (line for text in material.about for line in _comment(text))
+    if material.published_lines:
+        yield "#"
+        yield "# Published, each with its source:"
+        yield from (line for text in material.published_lines for line in _comment(text))
     yield ""
     yield _with_remark(f'name = "{material.title}"', "for you; choose freely")
     for section, values in material.sections.items():

@@ -18,6 +18,7 @@ from grainfit.cli.commands.compare import compare
 from grainfit.cli.commands.design import design
 from grainfit.cli.commands.estimate import estimate
 from grainfit.cli.commands.export import export
+from grainfit.cli.commands.materials import materials
 from grainfit.cli.commands.measure import measure
 from grainfit.cli.commands.new import new
 from grainfit.cli.commands.photo import photo
@@ -57,6 +58,7 @@ for _command in (
     preview,
     new,
     apparatus,
+    materials,
     status,
     result,
     report,

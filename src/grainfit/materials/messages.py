@@ -89,7 +89,19 @@ SPHERE_APART = Message(
 NO_POSITION = Message("has {count} numbers.", "Write three: x, y and z.")
 
 # Materials, walls, and the Rayleigh time step.
-NO_STARTING_MATERIAL = Message("{name!r} is no starting material.", "Use one of {known}.")
+NO_STARTING_MATERIAL = Message(
+    "{name!r} is no starting material.", "{instead} 'grainfit materials' lists all."
+)
+NEAR_MATERIALS = Message("Use one that is near: {names}. Typical of {title}: {ranges}.")
+NOTHING_NEAR = Message("None is near; begin with one of its class.")
+NONE_OF_CLASS = Message(
+    "{words!r} is in no material of the class {name!r}.", "Leave one of them out."
+)
+LISTED = Message(
+    "{number}. Published values, each with its source: grainfit materials NAME. A file of one: "
+    "grainfit new FILE --material NAME."
+)
+NO_CLASS = Message("{name!r} is no class of materials.", "Use one of {known}.")
 NEITHER_FIXED_NOR_FREE = Message(
     "is neither fixed nor free, and the Rayleigh time step needs it.",
     "Give its value in RayleighTimeStep, or make it a parameter.",

@@ -1,8 +1,10 @@
 """Starting materials: values and intervals to begin a calibration with, and their sources.
 
-Each is a TOML file of the folder ``starting``: a table for each parameter with its ``value``, as a
-calibration file takes it, and its ``source``. None of them is calibrated for anybody's material.
-Tables below ``suggested`` are parameters that the file has as comments.
+Each is a TOML file of the folder ``starting``, with its ``class``, ``synonyms`` and ``moisture``.
+Tables below ``published`` are what public texts say. Some files have a table for each parameter
+beside them, with its ``value`` as a calibration file takes it and its ``source``; of the others,
+parameters follow from what is published and from their class. None of them is calibrated for
+anybody's material. Tables below ``suggested`` are parameters that the file has as comments.
 """
 
 from __future__ import annotations
@@ -10,43 +12,25 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from grainfit.errors import InputError
+from grainfit.errors import Fault, InputError
 from grainfit.materials import messages
+from grainfit.materials.from_published import (
+    example_targets_of,
+    remarks_on,
+    sections_of,
+    suggested_of,
+)
+from grainfit.materials.material_classes import MaterialClass, class_of_words, material_classes
+from grainfit.materials.published_values import QUANTITIES, PublishedValue, read_published
+from grainfit.materials.starting_values import Sections, StartingValue
 
 _FOLDER = Path(__file__).with_name("starting")
-_HEAD = ("title", "about", "example_targets", "suggested")
-
-
-@dataclass(frozen=True)
-class StartingValue:
-    """Value of one parameter, and its origin.
-
-    Parameters
-    ----------
-    value : object
-        As in a calibration file: a number, a text, or a table with ``min`` and ``max``.
-    source : str
-        Author, year and journal, or that there is none.
-    """
-
-    value: Any
-    source: str
-
-    @property
-    def is_free(self) -> bool:
-        """Whether it is an interval."""
-        return isinstance(self.value, dict) and "min" in self.value
-
-    @property
-    def toml(self) -> str:
-        """The value as TOML."""
-        return _toml(self.value)
-
-
-Sections = Mapping[str, Mapping[str, StartingValue]]
+_SECTIONS = ("particle", "wall", "particle_particle", "particle_wall")
 
 
 @dataclass(frozen=True)
@@ -55,8 +39,8 @@ class StartingMaterial:
 
     Parameters
     ----------
-    title : str
-        Its name for people.
+    name, title : str
+        Name of its file, and its name for people.
     about : tuple of str
         Lines on what its values stand for.
     example_targets : mapping of str to str
@@ -65,13 +49,49 @@ class StartingMaterial:
         Parameters by section and key of the calibration file.
     suggested : mapping of str to mapping of str to StartingValue
         Likewise, parameters for particles that are no dry spheres: comments in the file.
+    material_class : MaterialClass
+        Its class.
+    synonyms : tuple of str
+        Other names.
+    moisture : str
+        That of the published values, where a text says it.
+    published : mapping of str to PublishedValue
+        What public texts say, by quantity.
     """
 
+    name: str
     title: str
     about: tuple[str, ...]
     example_targets: Mapping[str, str]
     sections: Sections
     suggested: Sections
+    material_class: MaterialClass
+    synonyms: tuple[str, ...]
+    moisture: str
+    published: Mapping[str, PublishedValue]
+
+    @property
+    def published_lines(self) -> list[str]:
+        """What is published, a line for each quantity with its source."""
+        moisture = [f"moisture: {self.moisture}"] if self.moisture else []
+        return moisture + [
+            f"{QUANTITIES[name][1]}: {value.words} ({value.source})"
+            for name, value in self.published.items()
+        ]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Its name, title and synonyms, in lower case with spaces."""
+        return tuple(map(_plain, (self.name, self.title, *self.synonyms)))
+
+    def matches(self, word: str) -> bool:
+        """Return whether a text is in its names or its class."""
+        return any(_plain(word) in text for text in (*self.names, self.material_class.name))
+
+    def has_word(self, word: str) -> bool:
+        """Return whether a whole word, singular or plural, is in its names."""
+        words = {part.strip("(),") for text in self.names for part in text.split()}
+        return bool({word, word.removesuffix("s"), f"{word}s"} & words)
 
 
 def starting_material_names() -> tuple[str, ...]:
@@ -85,30 +105,125 @@ def read_starting_material(name: str) -> StartingMaterial:
     Parameters
     ----------
     name : str
-        One of `starting_material_names`, or one word of it, such as ``sand``; spaces and hyphens
-        are as good as underscores.
+        One of `starting_material_names`, a synonym, or one word of its name, such as ``sand``;
+        spaces and hyphens are as good as underscores.
 
     Raises
     ------
     InputError
-        There is no such material.
+        There is no such material; the fault has the nearest ones and the ranges of their class.
     """
+    stem = _stem_of(name)
+    if not stem:
+        raise InputError(_unknown(name))
+    return _read(stem)
+
+
+def materials_like(words: str = "", of_class: str = "") -> list[StartingMaterial]:
+    """Return the materials that have all words in their names, synonyms or class.
+
+    Parameters
+    ----------
+    words : str
+        Any words; all materials without them.
+    of_class : str
+        Name of a class; all classes without it.
+
+    Raises
+    ------
+    InputError
+        There is no such class.
+    """
+    known = material_classes()
+    if of_class and of_class not in known:
+        raise InputError(messages.NO_CLASS.fault("--class", name=of_class, known=", ".join(known)))
+    return [
+        material
+        for material in map(_read, starting_material_names())
+        if of_class in ("", material.material_class.name)
+        and all(material.matches(word) for word in words.split())
+    ]
+
+
+def typical_ranges(of_class: str) -> str:
+    """Return the ranges that the materials of a class have, in words."""
+    members, known = materials_like(of_class=of_class), material_classes()[of_class]
+    parts = []
+    for name in ("diameter", "density", "bulk_density", "angle_of_repose", "wall_friction"):
+        found = [material.published[name] for material in members if name in material.published]
+        if found:
+            low = min(value.high if value.low is None else value.low for value in found)
+            whole = PublishedValue(low, max(value.high for value in found), found[0].unit, "", "")
+            parts.append(f"{QUANTITIES[name][1]} {whole.words}")
+    for name, (low, high) in (
+        ("sliding", known.sliding_friction),
+        ("rolling", known.rolling_friction),
+    ):
+        parts.append(f"{name} friction to search {low:g} to {high:g}")
+    return ", ".join(parts)
+
+
+def _unknown(name: str) -> Fault:
+    """Return the fault of an unknown name: what is near, and what its class usually has."""
+    near, known = _sharing_a_word(name), class_of_words(name)
+    if not near:
+        near = _written_alike(name) if known is None else materials_like(of_class=known.name)
+    if known is None and near:
+        known = near[0].material_class
+    if known is None:
+        instead = messages.NOTHING_NEAR()
+    else:
+        names, ranges = ", ".join(m.name for m in near), typical_ranges(known.name)
+        instead = messages.NEAR_MATERIALS(names=names, title=known.title, ranges=ranges)
+    return messages.NO_STARTING_MATERIAL.fault("material", name=name, instead=instead)
+
+
+def _sharing_a_word(name: str) -> list[StartingMaterial]:
+    words = [word for word in _plain(name).split() if len(word) > 2]
+    return [m for m in materials_like() if any(m.has_word(word) for word in words)]
+
+
+def _written_alike(name: str) -> list[StartingMaterial]:
+    names = {text: material for material in materials_like() for text in material.names}
+    alike = get_close_matches(_plain(name)[:64], names, n=4, cutoff=0.7)
+    return list({names[found].name: names[found] for found in alike}.values())
+
+
+def _stem_of(name: str) -> str:
     known = starting_material_names()
-    stem = "_".join(name.lower().replace("-", " ").split())
-    if stem not in known:
+    wanted = _plain(name)
+    stem = wanted.replace(" ", "_")
+    if stem in known:
+        return stem
+    alike = [material.name for material in materials_like() if wanted in material.names]
+    if len(alike) != 1:
         # One word is enough where it says which: sand, plastic.
         alike = [other for other in known if stem in other.split("_")]
-        stem = alike[0] if len(alike) == 1 else ""
-    if not stem:
-        names = ", ".join(known)
-        raise InputError(messages.NO_STARTING_MATERIAL.fault("material", name=name, known=names))
+    return alike[0] if len(alike) == 1 else ""
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.lower().replace("-", " ").replace("_", " ").split())
+
+
+@cache
+def _read(stem: str) -> StartingMaterial:
     data = tomllib.loads((_FOLDER / f"{stem}.toml").read_text(encoding="utf-8"))
+    of_class = material_classes()[data["class"]]
+    published = read_published(data.get("published", {}))
+    own = {name: data[name] for name in _SECTIONS if name in data}
+    about = tuple(data.get("about", ()))
     return StartingMaterial(
+        name=stem,
         title=data["title"],
-        about=tuple(data["about"]),
-        example_targets=data["example_targets"],
-        sections=_values({name: entries for name, entries in data.items() if name not in _HEAD}),
-        suggested=_values(data.get("suggested", {})),
+        about=about if own else (*about, *remarks_on(published, of_class)),
+        example_targets=data.get("example_targets") or example_targets_of(published, of_class),
+        sections=_values(own) if own else sections_of(published, of_class),
+        suggested=_values(data.get("suggested", {})) if own else suggested_of(of_class),
+        material_class=of_class,
+        synonyms=tuple(data["synonyms"]),
+        moisture=data.get("moisture", ""),
+        published=published,
     )
 
 
@@ -117,11 +232,3 @@ def _values(sections: Mapping[str, Any]) -> Sections:
         section: {key: StartingValue(**entry) for key, entry in entries.items()}
         for section, entries in sections.items()
     }
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {_toml(entry)}' for key, entry in value.items())} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_toml, value))}]"
-    return f'"{value}"' if isinstance(value, str) else repr(value)

@@ -30,8 +30,8 @@ _Material = Annotated[
     str | None,
     typer.Option(
         metavar="NAME",
-        help="Material whose published values it begins with, sources in its comments: "
-        f"{', '.join(starting_material_names())}. One word is enough, such as sand. "
+        help="Material whose published values it begins with, sources in its comments, such as "
+        "wheat, soybeans or dry_sand (see 'grainfit materials'). A synonym is enough. "
         f"{shown_default('glass beads; on a terminal it asks')}",
         show_default=False,
         autocompletion=complete_material,
