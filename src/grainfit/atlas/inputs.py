@@ -72,9 +72,10 @@ def ranges_of(kind: type[BulkTest]) -> dict[str, Range]:
     kind : type
         Class of a test that is `InAtlas`.
     """
+    varied = varied_of(kind)
     # A class, not a test: all that the protocol asks for is in it.
-    stiffness = _UNDER_A_STRESS if isinstance(kind, UnderLoad) else _UNDER_OWN_WEIGHT
-    return {**MATERIAL, STIFFNESS: stiffness, **varied_of(kind).ranges}
+    usual = _UNDER_A_STRESS if isinstance(kind, UnderLoad) else _UNDER_OWN_WEIGHT
+    return {**MATERIAL, STIFFNESS: varied.stiffness or usual, **varied.ranges}
 
 
 def varied_of(kind: type[BulkTest]) -> VariedOptions:

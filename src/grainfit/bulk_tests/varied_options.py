@@ -78,6 +78,9 @@ class VariedOptions:
         Options without a unit, as they are.
     loads : mapping of str to Range
         Stresses over the weight of a particle on its cross-section, rho g d.
+    stiffness : Range, optional
+        Young's modulus over the stress that presses particles together, where that of other tests
+        does not suit.
     wider : mapping of str to float
         Options over their usual value that are the same in every row: a plate without an edge.
     same : mapping of str to object
@@ -94,6 +97,7 @@ class VariedOptions:
     factors: Mapping[str, Range] = field(default_factory=dict)
     values: Mapping[str, Range] = field(default_factory=dict)
     loads: Mapping[str, Range] = field(default_factory=dict)
+    stiffness: Range | None = None
     wider: Mapping[str, float] = field(default_factory=dict)
     same: Mapping[str, Any] = field(default_factory=dict)
     indifferent: tuple[str, ...] = ()

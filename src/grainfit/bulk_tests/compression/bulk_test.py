@@ -37,6 +37,7 @@ from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
@@ -108,6 +109,21 @@ class Compression(BulkTest):
     shown: ClassVar[Shown] = Shown("bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0, DENSITY: 1}
     size_powers: ClassVar[Mapping[str, float | None]] = {}
+    varied: ClassVar[VariedOptions] = VariedOptions(
+        "cylinder_radius",
+        Range(0.8, 1.5, power=-1),
+        factors={"strike_off_height": Range(0.7, 1.4)},
+        loads={"stress": Range(30.0, 300.0, power=0)},
+        # Moduli have no limit with stiff particles: they follow a power of E over the stress.
+        stiffness=Range(1000.0, 50_000.0, power=0),
+        indifferent=(
+            "seating_stress",
+            "particle_count",
+            "piston_speed",
+            "settling_time_limit",
+            "time_step_fraction",
+        ),
+    )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "loading_modulus": ResponseInfo(
             "Pa",
