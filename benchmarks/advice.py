@@ -22,9 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
-from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.response_info import ResponseInfo
-from grainfit.bulk_tests.sensitivities import (
+from grainfit.bulk_tests.parameter_names import (
     DENSITY,
     MODULUS,
     RESTITUTION,
@@ -32,6 +30,8 @@ from grainfit.bulk_tests.sensitivities import (
     SLIDING,
     WALL_SLIDING,
 )
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.problem import Parameter
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps

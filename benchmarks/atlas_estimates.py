@@ -30,8 +30,8 @@ from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas, publish
 from grainfit.atlas.surrogate import points_of
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.sensitivities import DENSITY, ROLLING, SLIDING
 from grainfit.bulk_tests.size import size_power
 from grainfit.errors import InputError
 from grainfit.problem import Parameter, Problem, Target

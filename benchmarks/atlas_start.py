@@ -28,8 +28,8 @@ from grainfit.atlas.inputs import MATERIAL, simulated
 from grainfit.atlas.reading import Reading
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED, Surrogate
+from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.sensitivities import DENSITY, ROLLING, SLIDING
 from grainfit.calibration.calibrate import calibrate
 from grainfit.errors import InputError
 from grainfit.problem import Parameter, Problem, Target

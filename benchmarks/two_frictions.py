@@ -11,7 +11,7 @@ Calibrations with the same tests share their runs, see `random_materials`.
     python benchmarks/two_frictions.py --kept two_frictions.jsonl [--materials 20]
         [--tests heap+draw_down ...] [--wanted 25%] [--processes 2] [--table] [--bound]
 
-``--bound`` simulates nothing: it prints the half-widths that the recorded sensitivities allow for
+``--bound`` simulates nothing: it prints the half-widths that the slopes of the atlas allow for
 the same materials, with the errors of the laboratory and of the mean of five runs of each test, and
 with those of the laboratory alone, as if runs cost nothing.
 """
@@ -24,12 +24,17 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.formatting import percent
+from grainfit.problem import Parameter
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from grainfit.which_test.candidate import RUNS
 from grainfit.which_test.knowledge import Knowledge
+from grainfit.which_test.slopes import Cloud
+from grainfit.which_test.told_by_atlas import told_responses
 from random_materials import (
     DENSITY,
     DIAMETER,
@@ -63,6 +68,8 @@ FLOORS = {
     "heap": ROUGH_PLATE,
     "draw_down": {"floor_sliding_friction": 0.5, "floor_rolling_friction": 0.5},
 }
+#: Factor of the box about a material over which its slopes are taken.
+_AROUND = 1.5
 #: Values to which absolute uncertainties are compared in the bound, in the same units.
 TYPICAL: Mapping[str, float] = {
     "angle_of_repose": 25.0,
@@ -101,7 +108,7 @@ STUDIES = {
 
 
 def bound(materials: int) -> Iterator[str]:
-    """Yield the median half-widths that recorded sensitivities allow as a table in Markdown."""
+    """Yield the median half-widths that the slopes of the atlas allow as a table in Markdown."""
     yield "| tests | five runs of each test: sliding, rolling | without scatter: sliding, rolling |"
     yield "|---|---|---|"
     for name, each in STUDIES.items():
@@ -125,7 +132,8 @@ def _after(each: Study, number: int, runs: float) -> Knowledge:
     ]
     spreads += [it.uncertainty for it in each.measured.values()]
     before = Knowledge((*UNKNOWN, *each.measured), np.diag(spreads) ** 2)
-    measured = list(_measured(each, {**each.fixed, **truth, **known}, runs))
+    scaled = each.at_scale_of(known)
+    measured = list(_measured(scaled, {**scaled.fixed, **truth, **known}, runs))
     return before.after([slopes for slopes, _ in measured], np.diag([v for _, v in measured]))
 
 
@@ -133,13 +141,22 @@ def _measured(
     each: Study, material: Mapping[str, float], runs: float
 ) -> Iterator[tuple[Mapping[str, float], float]]:
     """Yield slopes and relative variance of each measured response."""
-    for simulated in each.tests.values():
-        for name, info in simulated.responses.items():
-            if name in LABORATORY and info.sensitivities is not None:
-                value = TYPICAL.get(name, 1.0)
-                relative = absolute_uncertainty(LABORATORY[name], value) / value
-                scatter = info.sensitivities.scatter**2 * (1 / MEASURED_SEEDS + 1 / runs)
-                yield info.sensitivities.at(material), relative**2 + scatter
+    names = (*UNKNOWN, *each.measured)
+    around = [
+        Parameter(name, material[name] / _AROUND, material[name] * _AROUND, "log") for name in names
+    ]
+    cloud = Cloud.even(around).thinned
+    fixed = {name: value for name, value in material.items() if name not in names}
+    for test, solver in each.solvers(fixed).items():
+        for one in told_responses(test, solver, cloud, _accuracy):
+            relative = one.accuracy.of(one.value) / one.value
+            yield one.slopes, relative**2 + one.scatter**2 * (1 / MEASURED_SEEDS + 1 / runs)
+
+
+def _accuracy(name: str, _info: ResponseInfo) -> Accuracy | None:
+    if name not in LABORATORY:
+        return None
+    return Accuracy(absolute_uncertainty(LABORATORY[name], TYPICAL.get(name, 1.0)))
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import grainfit as gf
 from grainfit.cli.app import app
 from tools import contact_law_page
-from tools.sensitivity_table import PAGE, updated
+from tools.recorded_trials_table import PAGE, updated
 
 DOCS = ROOT / "docs"
 #: Every key of this file is wrong; docs/questions.md explains the messages.
@@ -99,9 +99,9 @@ def test_every_decision_has_context_decision_and_consequence_in_six_lines() -> N
         assert parts == ["Context", "Decision", "Consequence"], decision
 
 
-def test_the_table_of_sensitivities_is_up_to_date() -> None:
+def test_the_table_of_recorded_trials_is_up_to_date() -> None:
     page = PAGE.read_text(encoding="utf-8")
-    assert updated(page) == page, "run: python tools/sensitivity_table.py"
+    assert updated(page) == page, "run: python tools/recorded_trials_table.py"
 
 
 def test_the_equations_of_the_contact_law_are_those_of_the_contact_models() -> None:

@@ -6,21 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from grainfit.which_test.recorded import recorded_response
 
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
+from grainfit.bulk_tests.parameter_names import DENSITY, RESTITUTION, ROLLING, SLIDING, WALL_SLIDING
 from grainfit.bulk_tests.registry import BUILT_IN
-from grainfit.bulk_tests.sensitivities import (
-    DENSITY,
-    RESTITUTION,
-    ROLLING,
-    SLIDING,
-    WALL_SLIDING,
-)
 from grainfit.calibration_file.planned import typical_value
 from grainfit.which_test.candidate import Candidate, CandidateResponse
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.measurement_plan import rank_combinations
-from grainfit.which_test.recorded import recorded_response
 
 #: Known before any test in the trials, as a standard deviation of the logarithm.
 BEFORE = {DENSITY: 1.0, SLIDING: 1.0, ROLLING: 1.5, RESTITUTION: 0.17, WALL_SLIDING: 0.03}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from statistics import fmean, stdev
 
 from grainfit.analysis.modulus_plan import ModulusPlan
-from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from grainfit.analysis.size_trend import predict
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import sized_for
-from grainfit.bulk_tests.sensitivities import LARGER
+from grainfit.bulk_tests.recorded_trials import LARGER
 from grainfit.bulk_tests.size import size_power
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
@@ -40,7 +40,7 @@ def change_of_size(test: BulkTest, response: str, particles: float) -> float | N
         None where no trial is recorded, or sizes cannot be compared.
     """
     info, power = test.responses.get(response), size_power(test, response)
-    known = None if info is None else info.sensitivities
+    known = None if info is None else info.trials
     if known is None or power is None or not any(known.larger):
         return None
     try:

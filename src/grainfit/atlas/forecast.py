@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grainfit.atlas import messages
+from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.atlas.shelf import Atlas, shipped_atlas
 from grainfit.atlas.surrogate import ResponseModel
@@ -108,18 +109,14 @@ class Forecast:
     def scatter(self, points: ArrayLike) -> Array:
         """Return standard deviations from run to run, shape (m, targets).
 
-        Those that are recorded with the test where there are some: the rows are too few to tell
-        scatter from what they do not resolve.
+        See `relative_scatter`.
         """
         means, _ = self.predict(points)
-        found = []
-        for column, (one, at, unit) in enumerate(self._at(points)):
-            recorded = one.reading.kind.responses[one.response].sensitivities
-            if recorded is not None and recorded.scatter > 0:
-                found.append(recorded.scatter * np.abs(means[:, column]))
-            else:
-                found.append(one.model.scatter(at) * unit)
-        return np.column_stack(found)
+        shares = [
+            relative_scatter(one.reading.kind.responses[one.response], one.model, at)
+            for one, at, _ in self._at(points)
+        ]
+        return np.abs(means) * np.column_stack(shares)
 
     def chance(self, points: ArrayLike) -> Array:
         """Return the chance that runs have all responses, shape (m,): the least of them."""

@@ -9,13 +9,14 @@ from typing import Any, NamedTuple, cast
 from grainfit.atlas.row import Row
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale
-from grainfit.bulk_tests.sensitivities import (
+from grainfit.bulk_tests.parameter_names import (
     DENSITY,
     MODULUS,
     RESTITUTION,
     ROLLING,
     SLIDING,
     WALL_RESTITUTION,
+    WALL_ROLLING,
     WALL_SLIDING,
 )
 from grainfit.bulk_tests.size import CanBeResized
@@ -25,7 +26,6 @@ from grainfit.bulk_tests.varied_options import InAtlas, Range, VariedOptions
 from grainfit.errors import InputError
 from grainfit.run_definition import identity_of
 
-WALL_ROLLING = "particle_wall.rolling_friction"
 STIFFNESS, SIZE = "stiffness", "size"
 #: Overlaps of Hertz contacts, and what they add to a response, follow this power of the stiffness.
 _OVERLAP = -2 / 3

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,21 +15,29 @@ from grainfit.atlas.inputs import (
     MATERIAL,
     SIZE,
     STIFFNESS,
-    WALL_ROLLING,
     apparatus,
     ranges_of,
     varied_of,
 )
+from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale
+from grainfit.bulk_tests.parameter_names import (
+    DENSITY,
+    MODULUS,
+    ROLLING,
+    WALL_RESTITUTION,
+    WALL_ROLLING,
+    WALL_SLIDING,
+)
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, WALL_SLIDING
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.stiffness import stiffness_number
 from grainfit.bulk_tests.varied_options import InAtlas
 from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
+from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of
 from grainfit.solvers.base import Solver
 from grainfit.units import powers
 
@@ -38,6 +47,9 @@ _SAME = 0.05
 #: Walls are rigid when their modulus is so many times that of the particles.
 _RIGID = 30.0
 _DAMPING = "particle_particle.rolling_damping"
+#: Parameters that move an input. Trials showed no effect of the restitution of walls: rows have
+#: that of the particles.
+_TOLD = frozenset({*MATERIAL, WALL_RESTITUTION, DENSITY, MODULUS})
 
 
 class NotInAtlasError(Exception):
@@ -53,6 +65,9 @@ class Reading:
         Of the test.
     parameters : mapping of str to float
         Free parameters somewhere in their intervals.
+    is_nearest : bool
+        Whether rows of dry spheres of the usual law, in the apparatus that is nearest, stand for
+        what the atlas does not have: enough to tell what a response depends on, not its value.
 
     Raises
     ------
@@ -60,17 +75,22 @@ class Reading:
         The atlas has no such test, particles, contact law or apparatus.
     """
 
-    def __init__(self, solver: Solver, parameters: Mapping[str, float]) -> None:
+    def __init__(
+        self, solver: Solver, parameters: Mapping[str, float], *, is_nearest: bool = False
+    ) -> None:
         test = solver.bulk_test
         if test is None:
             raise NotInAtlasError(messages.NO_ROWS())
         self.test: BulkTest = test
         self.kind = _kind_of(test)
         self.ranges = ranges_of(self.kind)
+        self._walls = _Walls.of(solver, test)
         try:
             self._material = solver.run_parameters(parameters)
-            _require_spheres_of_usual_law(solver, test, self._material)
-            self._apparatus = _apparatus_inputs(self.kind, test)
+            if not is_nearest:
+                _require_spheres_of_usual_law(solver, test, self._material, self._walls)
+                self._walls.require_told(varied_of(self.kind).values)
+            self._apparatus = _apparatus_inputs(self.kind, test, is_nearest=is_nearest)
         except InputError as error:
             raise NotInAtlasError(error.reasons) from None
 
@@ -88,18 +108,36 @@ class Reading:
             [np.broadcast_to(span.share(inputs[name]), count) for name, span in self.ranges.items()]
         )
 
+    def tells_of(self, name: str) -> bool:
+        """Return whether a parameter moves an input."""
+        wall = wall_of(name)
+        if plain_name(name) not in _TOLD or wall in (None, self._walls.first):
+            return plain_name(name) in _TOLD
+        return wall in self._walls.of_options(varied_of(self.kind).values).values()
+
     def inputs(self, material: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs of a material, or of arrays of materials, by name."""
         test, varied = self.test, varied_of(self.kind)
         weight = material[DENSITY] * float(test.gravity) * test.sizes.sauter_diameter
         options = test.resolved_options()
         return {
-            **{name: material[name] for name in MATERIAL},
+            **{name: self._of_material(name, material) for name in MATERIAL},
             STIFFNESS: stiffness_number(test, material),
             **self._apparatus,
-            **{name: _as_number(name, options[name], material) for name in varied.values},
+            **{name: self._as_number(name, options[name], material) for name in varied.values},
             **{name: options[name] / weight for name in varied.loads},
         }
+
+    def _of_material(self, name: str, material: Mapping[str, Any]) -> Any:
+        # A test without walls has no parameters of one.
+        return material.get(on_wall(name, self._walls.first), self.ranges[name].at(0.5))
+
+    def _as_number(self, name: str, value: Any, material: Mapping[str, Any]) -> Any:
+        """Return the value of an option; the friction of a part may be a wall's or particles'."""
+        if value is None:
+            friction = WALL_SLIDING if "sliding" in name else WALL_ROLLING
+            return material[on_wall(friction, self._walls.of_options([name])[name])]
+        return material[ROLLING] if value == AS_PARTICLES else value
 
     def unit(self, response: str, values: Mapping[str, Array]) -> Array:
         """Return the unit of a response of the metamodels in its SI unit, shape (m,) or ()."""
@@ -124,6 +162,38 @@ class Reading:
                 )
 
 
+@dataclass(frozen=True)
+class _Walls:
+    """Walls that the parts of a test are made of, by part; the plain one has no name.
+
+    That of the first part, which most particles touch, is the wall of the atlas. Another one is
+    told where an option of its part has a friction of its own in the rows.
+    """
+
+    parts: Mapping[str, str]
+    options: Mapping[str, str]
+
+    @classmethod
+    def of(cls, solver: Solver, test: BulkTest) -> _Walls:
+        parts = {part: solver.walls.get(part, PLAIN) for part in test.parts or ()}
+        given = friction_options(type(test)).items()
+        return cls(parts, {name: part for part, names in given for name in names})
+
+    @property
+    def first(self) -> str:
+        return next(iter(self.parts.values()), PLAIN)
+
+    def of_options(self, names: Iterable[str]) -> dict[str, str]:
+        """Return the walls of the parts of which options are the friction."""
+        known = self.options.keys() & names
+        return {name: self.parts.get(self.options[name], PLAIN) for name in known}
+
+    def require_told(self, varied: Collection[str]) -> None:
+        told = {self.options[name] for name in varied if name in self.options}
+        if any(wall != self.first for part, wall in self.parts.items() if part not in told):
+            raise NotInAtlasError(messages.WALLS())
+
+
 def _kind_of(test: BulkTest) -> type[BulkTest]:
     kind = bulk_tests().get(test.type)
     if kind is None or not isinstance(kind, InAtlas):
@@ -132,7 +202,7 @@ def _kind_of(test: BulkTest) -> type[BulkTest]:
 
 
 def _require_spheres_of_usual_law(
-    solver: Solver, test: BulkTest, material: Mapping[str, float]
+    solver: Solver, test: BulkTest, material: Mapping[str, float], walls: _Walls
 ) -> None:
     if test.sizes.shape is not None:
         raise NotInAtlasError(messages.CLUMPS(shape=test.sizes.shape))
@@ -142,15 +212,16 @@ def _require_spheres_of_usual_law(
     law = contact_law(material, models)
     if law.cohesion is not None:
         raise NotInAtlasError(messages.COHESION(model=law.cohesion.name))
-    if getattr(solver, "walls", {}):
-        raise NotInAtlasError(messages.WALLS())
     if material.get(_DAMPING, 0.0) > 0:
         raise NotInAtlasError(messages.DAMPING(name=_DAMPING, value=material[_DAMPING]))
-    if material["wall.youngs_modulus"] < _RIGID * material[MODULUS]:
+    moduli = [material[on_wall("wall.youngs_modulus", one)] for one in {*walls.parts.values()}]
+    if any(modulus < _RIGID * material[MODULUS] for modulus in moduli):
         raise NotInAtlasError(messages.SOFT_WALL())
 
 
-def _apparatus_inputs(kind: type[BulkTest], test: BulkTest) -> dict[str, float]:
+def _apparatus_inputs(
+    kind: type[BulkTest], test: BulkTest, *, is_nearest: bool
+) -> dict[str, float]:
     """Return the inputs of an apparatus that no material changes."""
     varied = varied_of(kind)
     scale = Scale(test.sizes.sauter_diameter, 1.0, float(test.gravity))
@@ -163,6 +234,8 @@ def _apparatus_inputs(kind: type[BulkTest], test: BulkTest) -> dict[str, float]:
     at_size = apparatus(kind, usual, scale).resolved_options()
     for name in varied.factors:
         usual[name] = given[name] / at_size[name]
+    if is_nearest:
+        return {name: usual[name] for name in (SIZE, *varied.factors)}
     alike = apparatus(kind, usual, scale).resolved_options()
     for name, value in given.items():
         is_input = name in varied.values or name in varied.indifferent
@@ -171,13 +244,6 @@ def _apparatus_inputs(kind: type[BulkTest], test: BulkTest) -> dict[str, float]:
                 messages.OTHER_OPTION(name=name, value=_shown(value), usual=_shown(alike[name]))
             )
     return {name: usual[name] for name in (SIZE, *varied.factors)}
-
-
-def _as_number(name: str, value: Any, material: Mapping[str, Any]) -> Any:
-    """Return the value of an option; the friction of a part may be that of walls or particles."""
-    if value is None:
-        return material[WALL_SLIDING if "sliding" in name else WALL_ROLLING]
-    return material[ROLLING] if value == AS_PARTICLES else value
 
 
 def _is_same(one: Any, other: Any) -> bool:

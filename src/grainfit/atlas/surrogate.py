@@ -111,6 +111,14 @@ class ResponseModel:
         noise = np.full(len(points), self.kriging.noise_standard_deviation**2)
         return np.sqrt(self._in_units(means, noise)[1])
 
+    def relative_covariance(self, points: Array) -> Array:
+        """Return the covariance of the expected response between points over its means, (m, m)."""
+        found = self.inflation * self.kriging.covariance_with(points)(points)[0]
+        if self.is_logarithm:
+            return np.asarray(found)
+        means = self.kriging.mean(points)
+        return np.asarray(found / np.outer(means, means))
+
     def chance_at(self, points: Array) -> Array:
         """Return the chance that a run has the response, shape (m,)."""
         return np.clip(self.chance.mean(points), _LEAST, _MOST)

@@ -11,7 +11,7 @@ from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.abilities import friction_options, user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.instrument import Instrument
-from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.errors import InputError
 from grainfit.formatting import (

@@ -15,8 +15,8 @@ from typing import Any
 
 from grainfit.bulk_tests.abilities import HasUserFunctions
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.bulk_tests.registry import recreate_test
-from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.contact_models.hertz_mindlin.model import particle_moduli
 from grainfit.contact_models.registry import material_parameter, with_defaults
 from grainfit.errors import InputError

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
-from grainfit.bulk_tests.sensitivities import Sensitivities
+from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.options.kinds import Quantity
 
 
@@ -48,8 +48,8 @@ class ResponseInfo(MeasuredInfo):
         As of a `MeasuredInfo`.
     example : str
         A target, as TOML.
-    sensitivities : Sensitivities, optional
-        Parameters that it responds to, and how much; None when that was not measured.
+    trials : RecordedTrials, optional
+        Its scatter, and what a larger apparatus changes; None when that was not measured.
     lowest, highest : float
         Limits of what is physically possible.
     above_zero : bool
@@ -61,7 +61,7 @@ class ResponseInfo(MeasuredInfo):
     """
 
     example: str
-    sensitivities: Sensitivities | None = None
+    trials: RecordedTrials | None = None
     lowest: float = -math.inf
     highest: float = math.inf
     above_zero: bool = True

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 
 if TYPE_CHECKING:
     from grainfit.bulk_tests.base import BulkTest

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import UnderLoad
 from grainfit.contact_models.registry import contact_law, simulated_material
 from grainfit.materials.particle_shape import ASPECT_RATIO

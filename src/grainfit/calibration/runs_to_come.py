@@ -194,8 +194,8 @@ def recorded_scatters(
         responses = solver.bulk_test.responses if solver.bulk_test else {}
         for response, info in responses.items():
             target = targets.get(response_name(test, response, len(solvers)))
-            if target is not None and info.sensitivities is not None and target.value:
-                relative = info.sensitivities.scatter / math.sqrt(count)
+            if target is not None and info.trials is not None and target.value:
+                relative = info.trials.scatter / math.sqrt(count)
                 yield RecordedScatter(test, response, target, count, relative)
 
 

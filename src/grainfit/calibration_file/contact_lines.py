@@ -8,7 +8,7 @@ from itertools import product
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.conditions import conditions_of
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.contact_models.cohesive_contacts import (
     CohesiveContact,

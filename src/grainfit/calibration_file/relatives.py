@@ -8,7 +8,7 @@ from dataclasses import replace
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained
-from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.size import resized
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions

@@ -15,7 +15,7 @@ from functools import reduce
 from typing import Any
 
 from grainfit.bulk_tests.natural_units import NaturalRun, in_si, natural_run, without_rounding_error
-from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.campaign.absent_responses import with_needed
 from grainfit.campaign.campaign import evaluation_of
 from grainfit.campaign.repeats import seeds_of

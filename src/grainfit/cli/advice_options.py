@@ -30,6 +30,10 @@ Accuracies = Annotated[
         "angle_of_repose='0.5 deg' or draw_down.mass_flow=3%. Repeat as needed.",
     ),
 ]
+Simulate = Annotated[
+    bool,
+    typer.Option("--simulate", help="Simulate the tests at a few parameter sets first."),
+]
 MaxTime = Annotated[
     str | None,
     typer.Option(

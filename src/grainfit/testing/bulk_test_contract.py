@@ -32,7 +32,6 @@ from grainfit.bulk_tests.abilities import curve_range, friction_options, locus_p
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.registry import bulk_tests, recreate_test
-from grainfit.bulk_tests.sensitivities import VARIED
 from grainfit.bulk_tests.view import CanBeShown
 from grainfit.bulk_tests.workload import workload
 from grainfit.calibration_file.tests_section import layout_of_test
@@ -221,11 +220,9 @@ class BulkTestContract:
             schema = targets["targets"].kind.schema()["properties"][name]
             [example] = schema["examples"]
             jsonschema.validate(example, schema)
-            if (known := info.sensitivities) is not None:
-                slopes = {**known.slopes, **known.slopes_at_high_rolling}
-                assert slopes.keys() <= set(VARIED), name
-                assert known.slopes_at_high_rolling.keys() <= known.slopes.keys(), name
-                assert all(map(math.isfinite, slopes.values())), name
+            if (known := info.trials) is not None:
+                assert 0 < known.scatter < 1, name
+                assert all(map(math.isfinite, known.larger)), name
         assert conditions_of(bulk_test).sizes == bulk_test.sizes
         assert 0 < conditions_of(bulk_test).time_step_fraction <= 1
         assert conditions_of(bulk_test).gravity >= 0

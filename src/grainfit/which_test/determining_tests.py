@@ -23,8 +23,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.sensitivities import (
+from grainfit.bulk_tests.parameter_names import (
     DENSITY,
     MODULUS,
     RESTITUTION,
@@ -33,6 +32,7 @@ from grainfit.bulk_tests.sensitivities import (
     WALL_RESTITUTION,
     WALL_SLIDING,
 )
+from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import in_a_row
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.walls import plain_name

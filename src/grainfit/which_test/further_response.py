@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from functools import partial
 
-from grainfit.bulk_tests.accuracy import usual_accuracy
+from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
+from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.evaluation import response_name
 from grainfit.formatting import number
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
+from grainfit.which_test.available import material_of
 from grainfit.which_test.candidate import CandidateResponse
 from grainfit.which_test.knowledge import Knowledge
-from grainfit.which_test.recorded import are_dry_spheres, recorded_response, wall_most_touched
+from grainfit.which_test.slopes import Cloud
+from grainfit.which_test.told_by_atlas import are_dry_spheres, told_responses
 
 #: A further response is named if it narrows a parameter at least to this share: it takes about two
 #: runs more (`benchmarks/further_responses.py`).
@@ -23,7 +27,7 @@ def further_response(
     names: Collection[str],
     solvers: Mapping[str, Solver],
     measured: Collection[str],
-    material: Mapping[str, float],
+    cloud: Cloud,
 ) -> str:
     """Return a sentence on the response that narrows a parameter most; empty if none does by much.
 
@@ -38,14 +42,14 @@ def further_response(
     measured : collection of str
         Names of the targets. Of a test, one response of each unit counts: those of one surface say
         nearly the same.
-    material : mapping of str to float
-        Where the recorded slopes are taken.
+    cloud : Cloud
+        Parameter sets over which the slopes by the atlas are taken.
     """
     kept = [name for name in known.names if name in names and known.deviation(name) > 0]
-    if not kept or not are_dry_spheres(solvers, material):
+    if not kept or not are_dry_spheres(solvers, material_of(solvers, cloud.middle)):
         return ""
     best, sentence = _WORTH_MEASURING, ""
-    for test, response in _unmeasured(solvers, measured, material):
+    for test, response in _unmeasured(solvers, measured, cloud):
         then = known.after([response.slopes], [[response.variance()]])
         share, name = min((then.deviation(name) / known.deviation(name), name) for name in kept)
         if share < best:
@@ -65,19 +69,24 @@ def further_response(
 
 
 def _unmeasured(
-    solvers: Mapping[str, Solver], measured: Collection[str], material: Mapping[str, float]
+    solvers: Mapping[str, Solver], measured: Collection[str], cloud: Cloud
 ) -> Iterator[tuple[str, CandidateResponse]]:
     for test, solver in solvers.items():
-        known = solver.bulk_test.responses if solver.bulk_test else {}
-        full = {name: response_name(test, name, len(solvers)) for name in known}
-        units = {info.unit for name, info in known.items() if full[name] in measured}
-        for name, info in known.items():
-            accuracy = usual_accuracy(name, info.unit)
-            # Shares, because no value is known: slopes are relative.
-            if info.unit in units or not accuracy.is_share:
-                continue
-            wall = wall_most_touched(solver)
-            found = recorded_response(full[name], info, material, 1.0, accuracy, wall)
-            if found is not None and solver.bulk_test is not None:
-                # A test made in Python has the name of its program.
-                yield (solver.bulk_test.type if test == solver.name else test), found
+        if solver.bulk_test is None:
+            continue
+        known = solver.bulk_test.responses
+        units = {
+            info.unit
+            for name, info in known.items()
+            if response_name(test, name, len(solvers)) in measured
+        }
+        # A test made in Python has the name of its program.
+        shown = solver.bulk_test.type if test == solver.name else test
+        for found in told_responses(test, solver, cloud, partial(_unless_measured, units)):
+            yield shown, found
+
+
+def _unless_measured(measured: Collection[str], name: str, info: ResponseInfo) -> Accuracy | None:
+    accuracy = usual_accuracy(name, info.unit)
+    # Shares: what a ruler or a scale tells beyond an angle.
+    return accuracy if accuracy.is_share and info.unit not in measured else None

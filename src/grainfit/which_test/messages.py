@@ -23,12 +23,12 @@ ANGLES_DO_NOT_HELP = Message(
 
 # What stays open.
 SLOPES_OF_DRY_SPHERES = Message(
-    "What the tests leave open is estimated with recorded slopes, which are those of dry spheres: "
-    "those of clumps and of cohesive materials are not recorded.",
+    "What the tests leave open is estimated with the slopes of dry spheres: the atlas has neither "
+    "clumps nor cohesive materials.",
     "'grainfit design --simulate' finds them.",
 )
-EFFECT_NOT_RECORDED = Message(
-    "It is not recorded how the tests respond to {names}, so it is not known how far they "
+EFFECT_NOT_TOLD = Message(
+    "The atlas does not tell how the tests respond to {names}, so it is not known how far they "
     "determine {them}."
 )
 OPEN_EVEN_SO = Message("Even if {they_were} known, {kept} would stay open.")
@@ -43,7 +43,7 @@ HARDLY_TOLD_APART = Message(
     "To tell them apart: {how}"
 )
 MEASURE_AS_WELL = Message(
-    "Measure {response} of {test} as well, to {accuracy}{tool}: by recorded slopes, {name} would "
+    "Measure {response} of {test} as well, to {accuracy}{tool}: by the atlas, {name} would "
     "keep ± {after} % instead of ± {before} %. The runs have it anyway; a calibration takes about "
     "two more of them."
 )
@@ -64,23 +64,24 @@ RUNS_DO_NOT_COUNT = Message("{test}: {share} failed and do not count. The first:
 RUNS_FAILED = Message("Its runs failed: {reason}.")
 TOO_FEW_RUNS = Message("Too few of its runs ended in time.")
 NO_TIME = Message("is {given!r}.", "Give a time above 0 s.")
-NO_SENSITIVITIES = Message("Its sensitivities are not recorded; --simulate finds them.")
-OWN_MODEL = Message("It is a model of your own, whose sensitivities are not known.")
+NOT_IN_ATLAS = Message("The atlas has no rows of it; --simulate compares it.")
+OWN_MODEL = Message("It is a model of your own, of which the atlas tells nothing.")
 NO_TEST_COMPARED = Message("No test could be compared.")
 NO_FURTHER_TEST_COMPARED = Message("No further test could be compared.")
 
 # Which set of tests.
 NO_SHARE = Message("is {given!r}.", "Give a share above 0, such as 0.2.")
-RECORDED_FOR_DRY_SPHERES = Message(
-    "The recorded slopes are those of spheres without cohesion; --simulate finds those of this "
+ATLAS_OF_DRY_SPHERES = Message(
+    "The slopes of the atlas are those of spheres without cohesion; --simulate finds those of this "
     "material."
 )
 COUNTS_AS_KNOWN = Message(
-    "The effect of {name} is not recorded: it counts as known. --simulate finds it. {otherwise}"
+    "The atlas does not tell what {name} does: it counts as known. --simulate finds it. {otherwise}"
 )
-EFFECT_ON_TEST_NOT_RECORDED = Message(
-    "The effect of {name} on {test} is not recorded; --simulate finds it."
+EFFECT_ON_TEST_NOT_TOLD = Message(
+    "The atlas does not tell what {name} does to {test}; --simulate finds it."
 )
+SLOPES_BY_ATLAS = Message("Slopes are those of the atlas, see docs/choosing_tests.md.")
 SETTLED_BY = Message("Measure {tests}: that settles {wanted}.")
 SETTLED_IF_FINER = Message("At these accuracies no combination settles {wanted}. {tests} would.")
 NOT_SETTLED = Message("No combination of these tests settles {wanted}.")
@@ -90,6 +91,7 @@ NOT_SETTLED_TO = Message("None of these tests settles {name} to ± {wanted}. {ot
 NOTHING_AGREES = Message("{why}", "Widen an interval first: see the report.")
 NO_POSTERIOR = Message("{why}", "Let the calibration make more runs first.")
 TOO_FEW_RUNS_YET = Message("There are too few runs.")
+NEXT_BY_ATLAS = Message("By the atlas: nothing was simulated; --simulate does.")
 ALL_DETERMINED = Message("Every parameter is determined: no further test is needed.")
 DO_NEXT = Message("Do next: {test}. It would leave {left}. Measure {responses}.")
 NOTHING_WORTH_DOING = Message("None of these tests tells noticeably more than the runs do.")

@@ -1,14 +1,14 @@
 """Parameters that the chosen tests will leave open, estimated before any run.
 
-Slopes are the recorded sensitivities in the middle of the intervals. They, the uncertainties of the
-measurements, and the scatter of the runs give the expected widths of what remains of even spreads
-over the intervals.
+Slopes are those of the atlas over the intervals. They, the uncertainties of the measurements, and
+the scatter of the runs give the expected widths of what remains of even spreads over the intervals.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
 from grainfit.one_line import one_line
-from grainfit.problem import Problem
+from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
 from grainfit.which_test.available import material_of
@@ -33,17 +33,13 @@ from grainfit.which_test.determining_tests import (
 )
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge, even_deviation
-from grainfit.which_test.recorded import (
-    are_dry_spheres,
-    recorded_response,
-    unrecorded_effects,
-    wall_most_touched,
-)
+from grainfit.which_test.slopes import Cloud
+from grainfit.which_test.told_by_atlas import are_dry_spheres, told_responses, untold_effects
 
 Array = NDArray[np.float64]
 
-#: Share of an interval above which a parameter counts as open: the sensitivities are those of two
-#: materials, so only wide intervals are worth a note.
+#: Share of an interval above which a parameter counts as open: slopes are those of a straight line,
+#: so only wide intervals are worth a note.
 _OPEN = 0.75
 #: A parameter is tied to another one if its interval is narrower by this factor once that is known.
 _TIED = 0.75
@@ -58,8 +54,8 @@ class ExpectedNarrowing:
     narrowing : dict of str to float
         Width of the interval that each free parameter will keep, over that of its interval now:
         0 when it will be known exactly, 1 when the tests give no information. Only parameters whose
-        effect has been measured; empty if that of a response has not. Least widths while a
-        parameter is free whose effect has not.
+        effect the atlas tells; empty if it does not tell of a target. Least widths while a
+        parameter is free whose effect it does not tell.
     notes : tuple of str
         Sentences about the limits of the estimate, and about parameters that will stay open, with
         tests to add.
@@ -87,7 +83,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     Returns
     -------
     ExpectedNarrowing
-        Empty if the sensitivities of a target are not known; those of curves never are.
+        Empty if the atlas does not tell of a target; of curves it never does.
 
     Examples
     --------
@@ -102,12 +98,13 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     0.2
     """
     material = material_of(solvers, problem.middle)
-    responses = _responses(problem, solvers, material)
+    cloud = Cloud.even(problem.parameters).thinned
+    responses = _responses(problem, solvers, cloud)
     if not responses:
         return ExpectedNarrowing()
-    unrecorded = list(unrecorded_effects(solvers, [p.name for p in problem.parameters]))
+    untold = list(untold_effects(solvers, cloud))
     without_effect = [p.name for p in problem.parameters if plain_name(p.name) in BETTER_FIXED]
-    free = [p for p in problem.parameters if p.name not in (*unrecorded, *without_effect)]
+    free = [p for p in problem.parameters if p.name not in (*untold, *without_effect)]
     spreads = {p.name: even_deviation(p) for p in free}
     slopes = [response.slopes for response in responses]
     estimate = _Estimate(Knowledge.of_intervals(free), spreads, slopes, _errors(problem, responses))
@@ -116,34 +113,37 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     measured = problem.responses
     then = estimate.before.after(slopes, estimate.errors)
     seen = [name for name, width in widths.items() if width <= _OPEN]
-    further = further_response(then, seen, solvers, measured, material)
+    further = further_response(then, seen, solvers, measured, cloud)
     notes = (
         *(() if are_dry_spheres(solvers, material) else (messages.SLOPES_OF_DRY_SPHERES(),)),
-        *([_note_on_unrecorded(unrecorded, widths, measured)] if unrecorded else ()),
-        *_notes(estimate, tests, measured, about="at least" if unrecorded else "about"),
+        *([_note_on_untold(untold, widths, measured)] if untold else ()),
+        *_notes(estimate, tests, measured, about="at least" if untold else "about"),
         *map(better_fixed, without_effect),
     )
     return ExpectedNarrowing(widths, notes, further)
 
 
 def _responses(
-    problem: Problem, solvers: Mapping[str, Solver], material: Mapping[str, float]
+    problem: Problem, solvers: Mapping[str, Solver], cloud: Cloud
 ) -> list[CandidateResponse]:
-    """Return the responses of the targets; none if the sensitivities of one are not known."""
-    infos = {
-        response_name(test, name, len(solvers)): (info, wall_most_touched(solver))
-        for test, solver in solvers.items()
-        for name, info in (solver.bulk_test.responses if solver.bulk_test else {}).items()
-    }
-    if problem.curves or any(target.name not in infos for target in problem.targets):
+    """Return the responses of the targets; none if the atlas does not tell of one."""
+    if problem.curves or not all(target.value for target in problem.targets):
         return []
-    found = []
-    for target in problem.targets:
-        info, wall = infos[target.name]
-        accuracy = Accuracy(target.standard_uncertainty)
-        found.append(recorded_response(target.name, info, material, target.value, accuracy, wall))
-    known = [response for response in found if response is not None]
-    return known if len(known) == len(found) else []
+    targets = {target.name: target for target in problem.targets}
+    told: dict[str, CandidateResponse] = {}
+    for test, solver in solvers.items():
+        accuracy_of = partial(_measured, targets, test, len(solvers))
+        for one in told_responses(test, solver, cloud, accuracy_of):
+            name = response_name(test, one.short_name, len(solvers))
+            told[name] = replace(one, name=name, value=targets[name].value)
+    return [told[name] for name in targets] if told.keys() == targets.keys() else []
+
+
+def _measured(
+    targets: Mapping[str, Target], test: str, tests: int, name: str, _info: object
+) -> Accuracy | None:
+    target = targets.get(response_name(test, name, tests))
+    return None if target is None else Accuracy(target.standard_uncertainty)
 
 
 def _errors(problem: Problem, responses: Sequence[CandidateResponse]) -> Array:
@@ -189,15 +189,15 @@ class _Estimate:
         return [tuple(sorted(group, key=self.before.names.index)) for group in groups]
 
 
-def _note_on_unrecorded(
-    unrecorded: Sequence[str], widths: Mapping[str, float], measured: Sequence[str]
+def _note_on_untold(
+    untold: Sequence[str], widths: Mapping[str, float], measured: Sequence[str]
 ) -> str:
-    """Return sentences on parameters whose effect is not recorded."""
-    them, they_were = ("it", "it was") if len(unrecorded) == 1 else ("them", "they were")
-    parts = [messages.EFFECT_NOT_RECORDED(names=in_a_row(unrecorded), them=them)]
+    """Return sentences on parameters whose effect the atlas does not tell."""
+    them, they_were = ("it", "it was") if len(untold) == 1 else ("them", "they were")
+    parts = [messages.EFFECT_NOT_TOLD(names=in_a_row(untold), them=them)]
     if widths:
         parts.append(messages.OPEN_EVEN_SO(they_were=they_were, kept=_kept(widths, widths)))
-    return " ".join([*parts, *(determining_tests(name, measured) for name in unrecorded)])
+    return " ".join([*parts, *(determining_tests(name, measured) for name in untold)])
 
 
 def _kept(names: Iterable[str], widths: Mapping[str, float]) -> str:

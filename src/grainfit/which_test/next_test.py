@@ -141,13 +141,13 @@ class Advice(Summary):
     today : OpenParameters
         The parameters that the runs leave open.
     prospects : tuple of Prospect
-        One for each test that was simulated, best first.
+        One for each test that was compared, best first.
     best_pair : Prospect, optional
         Two tests that settle more than the best one alone.
     remarks : tuple of str
         Sentences about tests that were not compared, or with other options than the usual ones.
     points, seeds : int
-        Parameter sets that were simulated, and seeds of each.
+        Parameter sets that were simulated, and seeds of each; 0 where the atlas was asked.
     """
 
     today: OpenParameters
@@ -199,9 +199,13 @@ class Advice(Summary):
             header,
             (("today", *now, "", "", duration(self.today.seconds)), *rows),
             "95 % intervals that would be left. Most telling: the response that differs most among "
-            "the parameter sets that fit, over its error. "
-            f"{self.points} parameter sets, {counted(self.seeds, 'seed')} each.",
+            f"the parameter sets that fit, over its error. {self._source()}",
         )
+
+    def _source(self) -> str:
+        if not self.points:
+            return messages.NEXT_BY_ATLAS()
+        return f"{self.points} parameter sets, {counted(self.seeds, 'seed')} each."
 
     def _most_telling(self, test: Candidate) -> tuple[str, str]:
         best = test.by_signal(self.today.knowledge)[0]
@@ -257,8 +261,8 @@ def rank_tests(
     today: OpenParameters,
     candidates: Sequence[Candidate],
     remarks: Sequence[str],
-    points: int,
-    seeds: int,
+    points: int = 0,
+    seeds: int = 0,
 ) -> Advice:
     """Rank further tests by the parameters that they settle, and by information per effort.
 
@@ -267,7 +271,7 @@ def rank_tests(
     today, remarks, points, seeds
         As for `Advice`.
     candidates : sequence of Candidate
-        Tests that were simulated.
+        Tests that are compared.
     """
     single = _ranked([today.after([test]) for test in candidates])
     pairs = _ranked([today.after(pair) for pair in combinations(candidates, 2)])

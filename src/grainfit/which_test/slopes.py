@@ -1,26 +1,31 @@
-"""Slopes of responses over a cloud of parameter sets, from a few runs spread in it."""
+"""Slopes of responses over a cloud of parameter sets, from a few runs in it or by the atlas."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import hadamard
+from scipy.stats import qmc
 
+from grainfit.atlas.expectation import ExpectedResponse
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.problem import Parameter
 from grainfit.which_test.candidate import CandidateResponse
-from grainfit.which_test.knowledge import Knowledge, in_relative_units
+from grainfit.which_test.knowledge import Knowledge, in_relative_units, in_si_units
 
 Array = NDArray[np.float64]
 
 #: Share of a cloud at an end of a direction.
 _END = 0.05
-#: Standard errors below which a slope counts as none.
-_BY_CHANCE = 2.0
+#: Standard errors below which a slope counts as none: of runs, and of the atlas, whose metamodels
+#: leave most of what chance makes out of their means.
+_BY_CHANCE, _BY_CHANCE_IN_ATLAS = 2.0, 1.0
+#: Members of an even spread, and of a cloud over which slopes by the atlas are taken.
+_SPREAD, _MEMBERS = 1024, 64
 #: Smallest variance along a direction, over the largest: below it, the cloud is flat.
 _FLAT = 1e-9
 
@@ -53,6 +58,28 @@ class Cloud:
     def of(cls, parameters: Sequence[Parameter], values: Array) -> Cloud:
         """Return the cloud of parameter sets in SI units, shape (n, d)."""
         return cls(tuple(parameters), _relative(parameters, values))
+
+    @classmethod
+    def even(cls, parameters: Sequence[Parameter]) -> Cloud:
+        """Return an even spread over the intervals."""
+        unit = qmc.Sobol(len(parameters), rng=np.random.default_rng(1)).random(_SPREAD)
+        columns = [[p.from_unit(float(x)) for x in unit[:, i]] for i, p in enumerate(parameters)]
+        return cls.of(tuple(parameters), np.array(columns).T)
+
+    @property
+    def thinned(self) -> Cloud:
+        """The same cloud with as many members as slopes by the atlas need."""
+        return replace(self, points=self.points[:: max(len(self.points) // _MEMBERS, 1)])
+
+    @property
+    def values(self) -> dict[str, Array]:
+        """Values of the parameters in SI units, each of shape (n,)."""
+        return {p.name: in_si_units(p, self.points[:, i]) for i, p in enumerate(self.parameters)}
+
+    @property
+    def middle(self) -> dict[str, float]:
+        """The median of every parameter, SI."""
+        return {name: float(np.median(values)) for name, values in self.values.items()}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -151,11 +178,35 @@ def simulated_response(
     fit = _fit(points[[run.point for run in runs]] @ whiten.T, relative, runs)
     if fit is None:
         return None
-    kept = _beyond_chance(fit.slopes, fit.errors)
-    slopes = dict(zip(cloud.names, (whiten.T @ kept).tolist(), strict=True))
     repeated = _scatter(relative, runs)
     scatter = math.sqrt(fit.noise) if repeated is None else repeated
-    return CandidateResponse(name, mean, accuracy, slopes, scatter, float(fit.errors.sum()), unit)
+    return fit.response(name, mean, accuracy, cloud, scatter, unit, _BY_CHANCE)
+
+
+def expected_response(
+    name: str, accuracy: Accuracy, cloud: Cloud, expected: ExpectedResponse, unit: str = ""
+) -> CandidateResponse:
+    """Return a response whose dependence on the parameters the atlas tells.
+
+    Slopes are those of the straight line through the cloud, as of `simulated_response`; what the
+    errors of the atlas explain of them is left out.
+
+    Parameters
+    ----------
+    name, accuracy, cloud, unit
+        As of `simulated_response`.
+    expected : ExpectedResponse
+        At the members of the cloud.
+    """
+    means = expected.means
+    mean = float(means.mean())
+    relative = np.log(means) if (means > 0).all() else means / abs(mean)
+    where = cloud.points @ _whitening(cloud).T
+    line = np.linalg.pinv(where - where.mean(axis=0))
+    errors = np.diag(line @ expected.covariance @ line.T)
+    fit = _Fit(line @ relative, errors, noise=expected.scatter**2)
+    scatter = expected.scatter
+    return fit.response(name, mean, accuracy, cloud, scatter, unit, _BY_CHANCE_IN_ATLAS)
 
 
 @dataclass(frozen=True)
@@ -165,6 +216,22 @@ class _Fit:
     slopes: Array
     errors: Array
     noise: float
+
+    def response(
+        self,
+        name: str,
+        mean: float,
+        accuracy: Accuracy,
+        cloud: Cloud,
+        scatter: float,
+        unit: str,
+        by_chance: float,
+    ) -> CandidateResponse:
+        """Return the response, without slopes of so few standard errors that chance makes them."""
+        kept = _whitening(cloud).T @ _beyond_chance(self.slopes, self.errors, by_chance)
+        slopes = dict(zip(cloud.names, kept.tolist(), strict=True))
+        variance = float(self.errors.sum())
+        return CandidateResponse(name, mean, accuracy, slopes, scatter, variance, unit)
 
 
 def _fit(where: Array, values: Array, runs: Sequence[Run]) -> _Fit | None:
@@ -189,10 +256,10 @@ def _whitening(cloud: Cloud) -> Array:
     return np.asarray((vectors[:, wide] / np.sqrt(values[wide])).T)
 
 
-def _beyond_chance(slopes: Array, errors: Array) -> Array:
+def _beyond_chance(slopes: Array, errors: Array, by_chance: float) -> Array:
     """Return slopes with the part left out that chance explains."""
     squares = np.maximum(slopes**2, 1e-300)
-    return np.asarray(slopes * np.maximum(1.0 - _BY_CHANCE**2 * errors / squares, 0.0))
+    return np.asarray(slopes * np.maximum(1.0 - by_chance**2 * errors / squares, 0.0))
 
 
 def _scatter(values: Array, runs: Sequence[Run]) -> float | None:

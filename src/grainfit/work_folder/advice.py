@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.calibration_file.accuracies import accuracy_of, read_accuracies
+from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.bulk_tests.response_info import ResponseInfo
+from grainfit.calibration_file.accuracies import Accuracies, accuracy_of, read_accuracies
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.errors import InputError
 from grainfit.solvers.base import Solver
@@ -19,6 +22,7 @@ from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
 from grainfit.which_test.simulation import Simulation, seconds_of
 from grainfit.which_test.slopes import Cloud
+from grainfit.which_test.told_by_atlas import are_dry_spheres, told_tests
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
@@ -28,6 +32,7 @@ def advise(
     *,
     tests: Sequence[str] = (),
     accuracies: Mapping[str, str | float] | None = None,
+    simulate: bool = False,
     seeds: int | None = None,
     max_seconds: float | None = None,
     workers: int | None = None,
@@ -37,10 +42,10 @@ def advise(
 ) -> Advice:
     """Compute which further test would settle the parameters that the runs leave open.
 
-    Every bulk test that the calibration does not have is simulated at a few parameter sets that
-    agree with the measurements, spread along the principal directions of the posterior
-    distribution. A test helps as far as its responses differ between them by more than they scatter
-    and by more than a laboratory measures.
+    A test helps as far as its responses differ between the parameter sets that agree with the
+    measurements, by more than they scatter and by more than a laboratory measures. The atlas tells
+    so of every bulk test that the calibration does not have. Or these are simulated at a few such
+    sets, spread along the principal directions of the posterior distribution.
 
     Parameters
     ----------
@@ -50,8 +55,11 @@ def advise(
         Types of test to compare; by default all bulk tests.
     accuracies : mapping of str to str or float, optional
         Accuracies of measurements that replace the usual ones, by name of the response.
+    simulate : bool
+        Simulate the tests instead of asking the atlas.
     seeds : int, optional
-        Seeds of each parameter set; by default 2, or as many as ``max_seconds`` allows.
+        When simulating, seeds of each parameter set; by default 2, or as many as ``max_seconds``
+        allows.
     max_seconds : float, optional
         Wall time after which no more is simulated, s.
     workers : int, optional
@@ -95,17 +103,27 @@ def advise(
     if not today.parameters:
         return Advice(today)
     material = material_of(solvers, medians)
+    told = cloud.thinned
     open_ones = [parameter.name for parameter in today.parameters]
-    own = further_response(cloud.knowledge, open_ones, solvers, today.measured, material)
+    own = further_response(cloud.knowledge, open_ones, solvers, today.measured, told)
     others = available_tests(saved.problem.parameters, solvers, material, tests)
-    if not others.solvers:
-        return Advice(today, remarks=(*filter(None, (own,)), *others.remarks()))
+    of_response = partial(_accuracy, given)
+    if not simulate or not others.solvers:
+        candidates, missing = told_tests(others.solvers, told, of_response)
+        is_told = are_dry_spheres(solvers, material)
+        remarks = (
+            *filter(None, (own, "" if is_told else messages.ATLAS_OF_DRY_SPHERES())),
+            *others.without(missing).remarks(),
+        )
+        return rank_tests(today, candidates, remarks)
     points = [dict(zip(cloud.names, values[i].tolist(), strict=True)) for i in cloud.spread()]
-    found = simulation.candidates(
-        others, cloud, points, lambda test, name, info: accuracy_of(test, name, info.unit, given)
-    )
+    found = simulation.candidates(others, cloud, points, of_response)
     remarks = (*filter(None, (own,)), *found.remarks)
     return rank_tests(today, found.candidates, remarks, len(points), found.seeds)
+
+
+def _accuracy(given: Accuracies, test: str, name: str, info: ResponseInfo) -> Accuracy:
+    return accuracy_of(test, name, info.unit, given)
 
 
 def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:

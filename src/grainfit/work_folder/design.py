@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import qmc
 
 from grainfit.calibration_file.accuracies import read_accuracies
 from grainfit.calibration_file.planned import PlannedFile, load_planned_file
@@ -24,19 +23,12 @@ from grainfit.which_test.determining_tests import other_measurement
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.measurement_plan import MeasurementPlan, rank_combinations
-from grainfit.which_test.recorded import (
-    are_dry_spheres,
-    recorded_response,
-    unrecorded_effects,
-    wall_most_touched,
-)
-from grainfit.which_test.simulation import AccuracyOf, Simulation, seconds_of
+from grainfit.which_test.simulation import AccuracyOf, Simulation
 from grainfit.which_test.slopes import Cloud, corners
+from grainfit.which_test.told_by_atlas import are_dry_spheres, told_tests, untold_effects
 
 #: Positions in the intervals that are simulated, on each side of the middle.
 _SIDE = 0.35
-#: Members of an even spread over the intervals.
-_SPREAD = 1024
 
 
 def design(
@@ -55,8 +47,8 @@ def design(
 ) -> MeasurementPlan:
     """Rank combinations of tests by whether they would settle the free parameters, and by cost.
 
-    Nothing is simulated unless asked for: slopes of the responses are the recorded sensitivities
-    in the middle of the intervals.
+    Nothing is simulated unless asked for: slopes of the responses are those of the atlas over the
+    intervals.
 
     Parameters
     ----------
@@ -101,12 +93,12 @@ def design(
     compared = _tests(planned, tests)
     accuracy = partial(planned.accuracy, given)
     if not simulate:
-        return _by_recorded_slopes(planned, compared, accuracy, wanted)
+        return _by_atlas(planned, compared, accuracy, wanted)
     parameters = planned.file.parameters
     folder = Path(workdir or default_workdir(planned.file.path))
     number = planned.workers if workers is None else workers
     simulation = Simulation(folder, number, seeds, max_seconds, on_start, on_progress)
-    cloud, points = _even_spread(parameters), _points(parameters)
+    cloud, points = Cloud.even(parameters), _points(parameters)
     found = simulation.candidates(compared, cloud, points, accuracy)
     seeds_of_each = counted(found.seeds, "seed")
     slopes = f"Slopes from {len(points)} points of the intervals, {seeds_of_each} each."
@@ -131,82 +123,56 @@ def _tests(planned: PlannedFile, tests: Sequence[str]) -> AvailableTests:
     return others.beside(kept, models)
 
 
-def _by_recorded_slopes(
+def _by_atlas(
     planned: PlannedFile, compared: AvailableTests, accuracy_of: AccuracyOf, wanted: float
 ) -> MeasurementPlan:
     middle, solvers = _middle(planned), compared.solvers
-    found, missing = _recorded(planned, compared, middle, accuracy_of)
-    without = unrecorded_effects(solvers, middle)
-    nowhere = [name for name, tests in without.items() if tests == list(solvers)]
+    cloud = Cloud.even(planned.file.parameters).thinned
+    found, missing = told_tests(solvers, cloud, accuracy_of)
+    without = untold_effects(solvers, cloud)
+    told = {candidate.name for candidate in found}
+    nowhere = [name for name, tests in without.items() if {*tests} >= told]
     before = Knowledge.of_intervals(planned.file.parameters).without(nowhere)
-    is_recorded = are_dry_spheres(solvers, material_of(solvers, middle))
+    is_told = are_dry_spheres(solvers, material_of(solvers, middle))
     remarks = [
         *compared.without(missing).remarks(),
-        *(() if is_recorded else (messages.RECORDED_FOR_DRY_SPHERES(),)),
-        *_remarks_on_unrecorded(without, nowhere),
-        *_remarks_on_own(planned, [c for c in found if c.name in planned.solvers], before),
+        *(() if is_told else (messages.ATLAS_OF_DRY_SPHERES(),)),
+        *_remarks_on_untold(without, nowhere),
+        *_remarks_on_own(planned, [c for c in found if c.name in planned.solvers], before, cloud),
     ]
-    slopes = "Slopes are recorded ones, see docs/choosing_tests.md."
     return rank_combinations(
-        found if before.names else [], before, wanted, remarks, slopes, taken_as_known=nowhere
+        found if before.names else [],
+        before,
+        wanted,
+        remarks,
+        messages.SLOPES_BY_ATLAS(),
+        taken_as_known=nowhere,
     )
 
 
-def _recorded(
-    planned: PlannedFile,
-    compared: AvailableTests,
-    middle: Mapping[str, float],
-    accuracy_of: AccuracyOf,
-) -> tuple[list[Candidate], dict[str, str]]:
-    """Return tests with their recorded slopes, and those that have none."""
-    found, missing = [], {}
-    for test, solver in compared.solvers.items():
-        material, wall = solver.run_parameters(middle), wall_most_touched(solver)
-        assert solver.bulk_test is not None, "only bulk tests are available"
-        responses = [
-            recorded_response(
-                f"{test}.{name}",
-                info,
-                material,
-                planned.value(test, name, info),
-                accuracy,
-                wall,
-            )
-            for name, info in solver.bulk_test.responses.items()
-            if (accuracy := accuracy_of(test, name, info)) is not None
-        ]
-        known = tuple(response for response in responses if response is not None)
-        if known:
-            found.append(Candidate(test, seconds_of(solver, middle), known))
-        else:
-            missing[test] = messages.NO_SENSITIVITIES()
-    return found, missing
-
-
 def _remarks_on_own(
-    planned: PlannedFile, own: Sequence[Candidate], before: Knowledge
+    planned: PlannedFile, own: Sequence[Candidate], before: Knowledge, cloud: Cloud
 ) -> Iterator[str]:
     """Yield a sentence on a response of the tests of the file that the file leaves out."""
     solvers = {candidate.name: planned.solvers[candidate.name] for candidate in own}
     known = knowledge_after(before, own)
     several = len(solvers) > 1
     measured = [r.name if several else r.short_name for c in own for r in c.responses]
-    material = material_of(solvers, _middle(planned))
-    if further := further_response(known, known.names, solvers, measured, material):
+    if further := further_response(known, known.names, solvers, measured, cloud):
         yield further
 
 
-def _remarks_on_unrecorded(
+def _remarks_on_untold(
     without: Mapping[str, Sequence[str]], nowhere: Collection[str]
 ) -> Iterator[str]:
-    """Yield sentences on parameters whose effect is not recorded: on any test, or on some."""
+    """Yield sentences on parameters of which the atlas does not tell, for any test or some."""
     for name, tests in without.items():
         if name in nowhere:
             otherwise = other_measurement(name)
             yield messages.COUNTS_AS_KNOWN(name=name, otherwise=otherwise).rstrip()
             continue
         for test in tests:
-            yield messages.EFFECT_ON_TEST_NOT_RECORDED(name=name, test=test)
+            yield messages.EFFECT_ON_TEST_NOT_TOLD(name=name, test=test)
 
 
 def _points(parameters: Sequence[Parameter]) -> list[dict[str, float]]:
@@ -216,9 +182,3 @@ def _points(parameters: Sequence[Parameter]) -> list[dict[str, float]]:
         {p.name: p.from_unit(float(x)) for p, x in zip(parameters, position, strict=True)}
         for position in positions
     ]
-
-
-def _even_spread(parameters: Sequence[Parameter]) -> Cloud:
-    unit = qmc.Sobol(len(parameters), rng=np.random.default_rng(1)).random(_SPREAD)
-    columns = [[p.from_unit(float(x)) for x in unit[:, i]] for i, p in enumerate(parameters)]
-    return Cloud.of(tuple(parameters), np.array(columns).T)

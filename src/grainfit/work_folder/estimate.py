@@ -10,8 +10,8 @@ from typing import Any
 
 from grainfit.atlas.estimate import Estimate, estimate_of
 from grainfit.bulk_tests.heap import Heap
-from grainfit.bulk_tests.sensitivities import DENSITY as PARTICLE_DENSITY
-from grainfit.bulk_tests.sensitivities import ROLLING, SLIDING
+from grainfit.bulk_tests.parameter_names import DENSITY as PARTICLE_DENSITY
+from grainfit.bulk_tests.parameter_names import ROLLING, SLIDING
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.errors import Fault, InputError
 from grainfit.problem import Parameter, Problem, Target

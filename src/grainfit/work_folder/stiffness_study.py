@@ -9,7 +9,7 @@ from typing import Any
 
 from grainfit.analysis.modulus_plan import ModulusPlan, simulate_moduli
 from grainfit.analysis.modulus_study import ModulusStudy, modulus_study
-from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir

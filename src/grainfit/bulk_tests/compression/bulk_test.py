@@ -21,16 +21,12 @@ from grainfit.bulk_tests.compression.curve import (
 from grainfit.bulk_tests.compression.picture import draw_compression
 from grainfit.bulk_tests.compression.setup import CompressionSetup
 from grainfit.bulk_tests.compression.view import CompressionView
-from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
-from grainfit.bulk_tests.sensitivities import (
+from grainfit.bulk_tests.parameter_names import (
     DENSITY,
     MODULUS,
-    RESTITUTION,
-    ROLLING,
-    SLIDING,
-    WALL_SLIDING,
-    Sensitivities,
 )
+from grainfit.bulk_tests.recorded_trials import RecordedTrials
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import LENGTH, STRESS, settling_option
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
@@ -130,39 +126,28 @@ class Compression(BulkTest):
             "M_l",
             "modulus of loading: slope of stress over strain from 50 to 98 % of the stress",
             '{ value = "280 kPa", uncertainty = "5 %" }',
-            Sensitivities({MODULUS: 0.48, RESTITUTION: 0.21}, scatter=0.069, larger=(0.13, 0.24)),
+            RecordedTrials(0.069, (0.13, 0.24)),
         ),
         "unloading_modulus": ResponseInfo(
             "Pa",
             "M_u",
             "modulus of unloading: slope of stress over strain from 98 to 50 % of the stress",
             '{ value = "600 kPa", uncertainty = "5 %" }',
-            Sensitivities({MODULUS: 0.51, SLIDING: -0.26}, scatter=0.07, larger=(0.15, 0.24)),
+            RecordedTrials(0.07, (0.15, 0.24)),
         ),
         "bulk_density": ResponseInfo(
             "kg/m^3",
             "ρ_b",
             "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
-            Sensitivities(
-                {
-                    DENSITY: 1.0,
-                    MODULUS: -0.034,
-                    SLIDING: -0.052,
-                    ROLLING: -0.022,
-                    RESTITUTION: 0.046,
-                    WALL_SLIDING: -0.019,
-                },
-                scatter=0.007,
-                larger=(0.023, 0.038),
-            ),
+            RecordedTrials(0.007, (0.023, 0.038)),
         ),
         "lateral_stress_ratio": ResponseInfo(
             "",
             "K",
             "lateral stress ratio: stress on the pot's wall over the mean of floor and piston",
             '{ value = 0.4, uncertainty = "0.02" }',
-            Sensitivities({SLIDING: -0.19, ROLLING: -0.17}, scatter=0.04),
+            RecordedTrials(0.04),
             highest=1.0,
             why="A bed that is pressed from above presses on its wall less than a liquid does.",
         ),

@@ -16,8 +16,8 @@ from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
 from grainfit.bulk_tests.draw_down.smooth_walls import smooth_walls
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
+from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import ResponseInfo
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.flow_target import flow_depth, unusual_flow
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,
@@ -121,35 +121,21 @@ class DrawDown(BulkTest):
             "ρ_b",
             "bulk density: mass of the bed over its volume, voids included",
             '{ value = "1325 kg/m^3", uncertainty = "1 %" }',
-            Sensitivities(
-                {DENSITY: 1.08, MODULUS: -0.062, SLIDING: -0.063, ROLLING: -0.028},
-                {SLIDING: -0.072, ROLLING: -0.004},
-                scatter=0.005,
-                larger=(0.032, 0.056),
-            ),
+            RecordedTrials(0.005, (0.032, 0.056)),
         ),
         "mass_flow": ResponseInfo(
             "kg/s",
             "ṁ",
             "mass flow: mass through the orifice per time, of the whole simulated depth",
             '{ value = "1.75 kg/s", uncertainty = "3 %" }',
-            Sensitivities(
-                {DENSITY: 1.0, SLIDING: -0.17, ROLLING: -0.09},
-                {SLIDING: -0.16, ROLLING: -0.04},
-                scatter=0.05,
-            ),
+            RecordedTrials(0.05),
         ),
         "discharged_share": ResponseInfo(
             "",
             "x_d",
             "discharged share: mass that has left the upper box over the mass filled in",
             '{ value = 0.75, uncertainty = "2 %" }',
-            Sensitivities(
-                {SLIDING: -0.03, ROLLING: -0.065},
-                {SLIDING: -0.13, ROLLING: -0.075},
-                0.015,
-                larger=(0.024, 0.026),
-            ),
+            RecordedTrials(0.015, (0.024, 0.026)),
             highest=1.0,
             why="It is a share of the mass filled in.",
         ),
@@ -158,7 +144,7 @@ class DrawDown(BulkTest):
             "α_s",
             "shear angle: inclination of the wedges left beside the slot",
             '{ value = "27 deg", uncertainty = "1 deg" }',
-            Sensitivities({SLIDING: 0.12, ROLLING: 0.24}, {SLIDING: 0.48, ROLLING: 0.16}, 0.062),
+            RecordedTrials(0.062),
             highest=90.0,
             why="A flank is not steeper than a wall.",
         ),
@@ -167,12 +153,7 @@ class DrawDown(BulkTest):
             "α",
             "angle of repose: inclination of the heap's flanks",
             '{ value = "24 deg", uncertainty = "1 deg" }',
-            Sensitivities(
-                {SLIDING: 0.33, ROLLING: 0.20},
-                {SLIDING: 0.71, ROLLING: 0.18},
-                0.043,
-                larger=(-0.2, -0.38),
-            ),
+            RecordedTrials(0.043, (-0.2, -0.38)),
             highest=90.0,
             why="A flank is not steeper than a wall.",
         ),

@@ -18,8 +18,8 @@ from grainfit.bulk_tests.drum.end_caps import no_end_caps
 from grainfit.bulk_tests.drum.rolling_regime import fast_drum
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
+from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
-from grainfit.bulk_tests.sensitivities import MODULUS, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
@@ -96,12 +96,7 @@ class Drum(BulkTest):
             "θ_d",
             "dynamic angle of repose: inclination of the bed by its centre of mass",
             '{ value = "36 deg", uncertainty = "0.5 deg" }',
-            Sensitivities(
-                {MODULUS: 0.052, SLIDING: 0.080, ROLLING: 0.101},
-                {SLIDING: 0.27, ROLLING: 0.078},
-                scatter=0.008,
-                larger=(-0.08, -0.128),
-            ),
+            RecordedTrials(0.008, (-0.08, -0.128)),
             lowest=0.0,
             highest=90.0,
             above_zero=False,
@@ -112,12 +107,7 @@ class Drum(BulkTest):
             "θ_s",
             "surface angle: inclination of the free surface in the middle 60 % of its length",
             '{ value = "39 deg", uncertainty = "0.5 deg" }',
-            Sensitivities(
-                {MODULUS: 0.034, SLIDING: 0.106, ROLLING: 0.153},
-                {SLIDING: 0.42, ROLLING: 0.078},
-                scatter=0.013,
-                larger=(-0.084, -0.143),
-            ),
+            RecordedTrials(0.013, (-0.084, -0.143)),
             lowest=-90.0,
             highest=90.0,
             above_zero=False,
@@ -128,12 +118,7 @@ class Drum(BulkTest):
             "θ_u",
             "upper angle: inclination of the upper half of the free surface",
             '{ value = "35 deg", uncertainty = "1 deg" }',
-            Sensitivities(
-                {SLIDING: 0.082, ROLLING: 0.135},
-                {SLIDING: 0.27, ROLLING: 0.067},
-                scatter=0.025,
-                larger=(-0.081, -0.124),
-            ),
+            RecordedTrials(0.025, (-0.081, -0.124)),
             lowest=-90.0,
             highest=90.0,
             above_zero=False,
@@ -144,12 +129,7 @@ class Drum(BulkTest):
             "θ_l",
             "lower angle: inclination of the lower half of the free surface",
             '{ value = "41 deg", uncertainty = "1 deg" }',
-            Sensitivities(
-                {MODULUS: 0.020, SLIDING: 0.122, ROLLING: 0.138},
-                {SLIDING: 0.38, ROLLING: 0.078},
-                scatter=0.018,
-                larger=(-0.098, -0.16),
-            ),
+            RecordedTrials(0.018, (-0.098, -0.16)),
             lowest=-90.0,
             highest=90.0,
             above_zero=False,

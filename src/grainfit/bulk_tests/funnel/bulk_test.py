@@ -15,8 +15,8 @@ from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.funnel import messages
 from grainfit.bulk_tests.funnel.reaches_funnel import funnel_in_heap
 from grainfit.bulk_tests.funnel.setup import FunnelSetup
+from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
-from grainfit.bulk_tests.sensitivities import RESTITUTION, ROLLING, SLIDING, Sensitivities
 from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.options import LENGTH, TIME
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
@@ -125,20 +125,10 @@ class Funnel(BulkTest):
     responses: ClassVar[Mapping[str, ResponseInfo]] = heap_responses(
         _AT_EDGE,
         {
-            "angle_of_repose": Sensitivities(
-                {SLIDING: 0.104, ROLLING: 0.31, RESTITUTION: -0.216},
-                {SLIDING: 0.396, ROLLING: 0.154, RESTITUTION: -0.066},
-                scatter=0.049,
-            ),
+            "angle_of_repose": RecordedTrials(0.049),
             # Sliding friction has no effect on it beyond its error at the first material.
-            "base_radius": Sensitivities(
-                {SLIDING: -0.001, ROLLING: -0.06}, {SLIDING: -0.061, ROLLING: -0.062}, 0.0155
-            ),
-            "heap_height": Sensitivities(
-                {SLIDING: 0.121, ROLLING: 0.228, RESTITUTION: -0.163},
-                {SLIDING: 0.312, ROLLING: 0.118, RESTITUTION: -0.096},
-                scatter=0.027,
-            ),
+            "base_radius": RecordedTrials(0.0155),
+            "heap_height": RecordedTrials(0.027),
         },
     )
     curves: ClassVar[Mapping[str, CurveInfo]] = {"profile": heap_profile(_AT_EDGE)}

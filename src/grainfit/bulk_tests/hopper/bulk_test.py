@@ -14,8 +14,8 @@ from grainfit.bulk_tests.discharge.setup import ROUND, SLOT
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.hopper.setup import HopperSetup
 from grainfit.bulk_tests.hopper.view import HopperView
+from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.bulk_tests.response_info import ResponseInfo
-from grainfit.bulk_tests.sensitivities import DENSITY
 from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE
 from grainfit.bulk_tests.shared.vessel import FLAT, FLATTEST, STEEPEST
@@ -84,7 +84,7 @@ class Hopper(Discharge):
             description="mass flow: mass through the outlet per time, of the whole simulated depth "
             "of a slot",
             example='{ value = "1.4 kg/s", uncertainty = "3 %" }',
-            sensitivities=None,
+            trials=None,
         ),
         "discharge_time": ResponseInfo(
             "s",
@@ -107,7 +107,7 @@ class Hopper(Discharge):
             Discharge.responses["bulk_density"],
             description="bulk density: mass of the bed above the slope over its volume, voids "
             "included",
-            sensitivities=None,
+            trials=None,
             absent="the bed above the slope is lower than 4 d, or its surface is uneven",
         ),
     }

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from grainfit.bulk_tests.checks import CheckedTest
-from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.bulk_tests.shared import messages
 from grainfit.checks import Found, check
 from grainfit.formatting import millimetres

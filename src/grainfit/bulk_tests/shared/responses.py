@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS, ROLLING, SLIDING, Sensitivities
 
 #: Of a bed that is poured into an upright cylinder.
 BULK_DENSITY = ResponseInfo(
@@ -13,25 +13,18 @@ BULK_DENSITY = ResponseInfo(
     "ρ_b",
     "bulk density: mass of the bed over its volume, voids included",
     '{ value = "1500 kg/m^3", uncertainty = "1 %" }',
-    Sensitivities(
-        {DENSITY: 1.07, MODULUS: -0.066, SLIDING: -0.059, ROLLING: -0.023},
-        {SLIDING: -0.068, ROLLING: -0.006},
-        scatter=0.006,
-        larger=(0.048, 0.078),
-    ),
+    RecordedTrials(0.006, (0.048, 0.078)),
 )
 
 
-def heap_responses(
-    absent: str, sensitivities: Mapping[str, Sensitivities]
-) -> dict[str, ResponseInfo]:
+def heap_responses(absent: str, trials: Mapping[str, RecordedTrials]) -> dict[str, ResponseInfo]:
     """Return the responses of a heap on a plate.
 
     Parameters
     ----------
     absent : str
         Why a valid run may be without them.
-    sensitivities : mapping of str to Sensitivities
+    trials : mapping of str to RecordedTrials
         By response, where they were measured.
     """
     return {
@@ -40,7 +33,7 @@ def heap_responses(
             "α",
             "angle of repose: inclination of the heap's flanks",
             '{ value = "22 deg", uncertainty = "0.5 deg" }',
-            sensitivities.get("angle_of_repose"),
+            trials.get("angle_of_repose"),
             highest=90.0,
             why="A flank is not steeper than a wall.",
             absent=absent,
@@ -51,7 +44,7 @@ def heap_responses(
             "base radius: half the width of the heap, one particle diameter above the plate or at "
             "the height of its rim",
             '{ value = "130 mm", uncertainty = "2 mm" }',
-            sensitivities.get("base_radius"),
+            trials.get("base_radius"),
             absent=absent,
         ),
         "heap_height": ResponseInfo(
@@ -59,7 +52,7 @@ def heap_responses(
             "h",
             "heap height: highest point of the heap above the plate",
             '{ value = "53 mm", uncertainty = "1 mm" }',
-            sensitivities.get("heap_height"),
+            trials.get("heap_height"),
             absent=absent,
         ),
     }

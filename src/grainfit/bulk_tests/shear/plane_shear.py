@@ -12,7 +12,7 @@ import numpy as np
 
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
-from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.shared.options import LENGTH, STRESS, laboratory_gravity_option
 from grainfit.bulk_tests.shared.stress import typical_load
 from grainfit.bulk_tests.shear.quasi_static import fast_shear

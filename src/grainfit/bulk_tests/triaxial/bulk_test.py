@@ -13,8 +13,8 @@ import numpy as np
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
-from grainfit.bulk_tests.sensitivities import MODULUS
 from grainfit.bulk_tests.shared.options import LENGTH, STRESS, laboratory_gravity_option
 from grainfit.bulk_tests.shared.stress import typical_load
 from grainfit.bulk_tests.shared.validity import require_separate

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from grainfit.bulk_tests.apparatus import apparatus_of
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.sensitivities import LARGER
+from grainfit.bulk_tests.recorded_trials import LARGER
 from grainfit.calibration.runs_to_come import recorded_scatters
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
@@ -38,7 +38,7 @@ def assumed_size(context: FileContext) -> Iterator[Found]:
 def _moved(context: FileContext, name: str, test: BulkTest) -> Iterator[str]:
     """Yield the responses that move by more than their tolerance."""
     for one in recorded_scatters(context.problem, context.solvers, {}):
-        known = test.responses[one.response].sensitivities if one.test == name else None
+        known = test.responses[one.response].trials if one.test == name else None
         if known is not None and max(map(abs, known.larger)) > one.tolerated:
             shown = " and ".join(f"{100 * change:+.3g} %" for change in known.larger)
             tolerated = number(100 * one.tolerated, 2)

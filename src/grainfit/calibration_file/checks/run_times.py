@@ -9,7 +9,7 @@ from grainfit.analysis.recorded_size import changes_in_words
 from grainfit.bulk_tests.abilities import material_faults, user_functions
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
-from grainfit.bulk_tests.sensitivities import MODULUS
+from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.size import TWIN, twin_of
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.bulk_tests.time_steps import with_safe_time_step

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from math import ceil, floor, log10
 
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.sensitivities import DENSITY, MODULUS
+from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check

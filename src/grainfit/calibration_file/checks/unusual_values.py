@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grainfit.bulk_tests.sensitivities import DENSITY
+from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check

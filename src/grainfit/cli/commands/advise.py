@@ -10,6 +10,7 @@ from grainfit.cli.advice_options import (
     Accuracies,
     MaxTime,
     Seeds,
+    Simulate,
     Tests,
     Yes,
     comparing,
@@ -25,6 +26,7 @@ def advise(
     folder: WorkFolder,
     tests: Tests = None,
     accuracies: Accuracies = None,
+    simulate: Simulate = False,
     seeds: Seeds = None,
     max_time: MaxTime = None,
     workers: Workers = None,
@@ -33,13 +35,12 @@ def advise(
 ) -> None:
     """Say which test to do next: what it would leave of the open parameters.
 
-    Simulates every bulk test that the calibration does not have at a few parameter sets that agree
-    with the measurements, and compares how much its responses differ between them with how much
-    they scatter and how well a laboratory measures them. The runs and the time are said first.
+    Compares how much the responses of every other bulk test differ between the parameter sets that
+    agree with the measurements, how much they scatter, and how well a laboratory measures them: by
+    the atlas, at once; or, with --simulate, by runs at a few of these sets, whose number and time
+    are said first. Finished runs are kept: stop it with Ctrl-C, and the same command continues.
 
-    Finished runs are kept: stop it with Ctrl-C, and the same command continues.
-
-    Example:  grainfit advise beads.grainfit --max-time 10min
+    Example:  grainfit advise beads.grainfit
     """
     from grainfit.calibration_file.accuracies import read_settings
     from grainfit.opened import open_calibration
@@ -48,6 +49,7 @@ def advise(
         found = open_calibration(folder).advise(
             tests=tests or (),
             accuracies=read_settings(accuracies or []),
+            simulate=simulate,
             seeds=seeds,
             max_seconds=read_seconds(max_time),
             workers=workers,

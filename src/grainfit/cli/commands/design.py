@@ -13,6 +13,7 @@ from grainfit.cli.advice_options import (
     Accuracies,
     MaxTime,
     Seeds,
+    Simulate,
     Tests,
     Yes,
     comparing,
@@ -34,10 +35,6 @@ _Wanted = Annotated[
     str,
     typer.Option(metavar="SHARE", help="Wanted half of the 95 % interval of every free parameter."),
 ]
-_Simulate = Annotated[
-    bool,
-    typer.Option("--simulate", help="Simulate the tests at a few points of the intervals first."),
-]
 
 
 def design(
@@ -45,7 +42,7 @@ def design(
     wanted: _Wanted = "20%",
     tests: Tests = None,
     accuracies: Accuracies = None,
-    simulate: _Simulate = False,
+    simulate: Simulate = False,
     seeds: Seeds = None,
     max_time: MaxTime = None,
     workers: Workers = None,
@@ -55,7 +52,7 @@ def design(
     """Say which tests to measure, before the laboratory: which would settle the free parameters.
 
     Ranks combinations of one to three bulk tests by what they leave and what they cost, from
-    recorded sensitivities, so at once; or, with --simulate, from runs at a few points of the
+    the atlas, so at once; or, with --simulate, from runs at a few points of the
     intervals. Tests of the file are taken with the accuracies that it gives, such as
     targets.angle_of_repose = { uncertainty = "0.5 deg" }, all others with the usual ones.
 

@@ -1,0 +1,104 @@
+"""Responses of a test over many parameter sets, by the atlas: what they depend on, and how much."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.atlas import messages
+from grainfit.atlas.reading import NotInAtlasError, Reading
+from grainfit.atlas.shelf import Atlas, shipped_atlas
+from grainfit.atlas.surrogate import ResponseModel
+from grainfit.bulk_tests.response_info import ResponseInfo
+from grainfit.solvers.base import Solver
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ExpectedResponse:
+    """A response at parameter sets, by the atlas.
+
+    Parameters
+    ----------
+    means : ndarray, shape (m,)
+        Expected response, in its unit.
+    covariance : ndarray, shape (m, m)
+        Of the errors of the atlas, over the means.
+    scatter : float
+        Relative standard deviation of a run.
+    """
+
+    means: Array
+    covariance: Array
+    scatter: float
+
+
+class Expectation:
+    """What the atlas expects of a test: of dry spheres in the apparatus that is nearest.
+
+    Parameters
+    ----------
+    solver : Solver
+        Of the test.
+    parameters : mapping of str to float
+        Free parameters somewhere in their intervals.
+    atlas : Atlas, optional
+        By default the one that ships with the package.
+
+    Raises
+    ------
+    NotInAtlasError
+        The atlas has no rows of the test.
+    """
+
+    def __init__(
+        self, solver: Solver, parameters: Mapping[str, float], atlas: Atlas | None = None
+    ) -> None:
+        self._reading = Reading(solver, parameters, is_nearest=True)
+        surrogate = (atlas or shipped_atlas()).of_test(self._reading.test.type)
+        if surrogate is None:
+            raise NotInAtlasError(messages.NO_ROWS())
+        self._models = surrogate.models
+
+    def tells_of(self, parameter: str) -> bool:
+        """Return whether it says what a parameter does."""
+        return self._reading.tells_of(parameter)
+
+    def responses(self, values: Mapping[str, Array]) -> dict[str, ExpectedResponse]:
+        """Return the responses at parameter sets, by name; those with too few rows are left out.
+
+        Beyond the rows, the nearest material within them stands for another one.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray
+            Free parameters, SI, each of shape (m,).
+        """
+        limits = [span.limit for span in self._reading.ranges.values()]
+        points = np.clip(self._reading.shares(values), 0.0, limits)
+        return {name: self._expected(name, points, values) for name in self._models}
+
+    def _expected(self, name: str, points: Array, values: Mapping[str, Array]) -> ExpectedResponse:
+        model = self._models[name]
+        means, _ = model.predict(points)
+        shares = relative_scatter(self._reading.kind.responses[name], model, points)
+        return ExpectedResponse(
+            means * self._reading.unit(name, values),
+            model.relative_covariance(points),
+            float(np.median(shares)),
+        )
+
+
+def relative_scatter(info: ResponseInfo, model: ResponseModel, points: Array) -> Array:
+    """Return the standard deviation of a run over the response, shape (m,).
+
+    That of recorded trials where there are some: the rows are too few to tell scatter from what
+    they do not resolve.
+    """
+    if info.trials is not None:
+        return np.full(len(points), info.trials.scatter)
+    return np.asarray(model.scatter(points) / np.abs(model.predict(points)[0]))

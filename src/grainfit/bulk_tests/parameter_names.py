@@ -1,0 +1,10 @@
+"""Names of the material parameters that bulk tests and the atlas speak of."""
+
+DENSITY = "particle.density"
+MODULUS = "particle.youngs_modulus"
+SLIDING = "particle_particle.sliding_friction"
+ROLLING = "particle_particle.rolling_friction"
+RESTITUTION = "particle_particle.restitution"
+WALL_SLIDING = "particle_wall.sliding_friction"
+WALL_ROLLING = "particle_wall.rolling_friction"
+WALL_RESTITUTION = "particle_wall.restitution"

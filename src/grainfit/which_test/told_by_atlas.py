@@ -1,0 +1,108 @@
+"""What the atlas tells of candidate tests: responses with their slopes, and no run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from grainfit.atlas.expectation import Expectation
+from grainfit.atlas.reading import NotInAtlasError
+from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.bulk_tests.response_info import ResponseInfo
+from grainfit.contact_models.registry import COHESION
+from grainfit.materials.walls import plain_name
+from grainfit.solvers.base import Solver
+from grainfit.which_test import messages
+from grainfit.which_test.candidate import Candidate, CandidateResponse
+from grainfit.which_test.determining_tests import BETTER_FIXED
+from grainfit.which_test.simulation import AccuracyOf, seconds_of
+from grainfit.which_test.slopes import Cloud, expected_response
+
+#: Returns the accuracy of a response of a test, by its name; None if it is not measured.
+AccuracyOfResponse = Callable[[str, ResponseInfo], Accuracy | None]
+
+
+def told_responses(
+    test: str, solver: Solver, cloud: Cloud, accuracy_of: AccuracyOfResponse
+) -> tuple[CandidateResponse, ...]:
+    """Return the responses of a test that the atlas tells of; none where it has no rows.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test.
+    solver : Solver
+        Of the test.
+    cloud : Cloud
+        Parameter sets over which the slopes are taken.
+    accuracy_of : callable
+        Accuracies of the measurements.
+    """
+    try:
+        found = Expectation(solver, cloud.middle).responses(cloud.values)
+    except NotInAtlasError:
+        return ()
+    assert solver.bulk_test is not None, "the atlas has bulk tests"
+    responses = []
+    for name, expected in found.items():
+        info = solver.bulk_test.responses[name]
+        accuracy = accuracy_of(name, info)
+        if accuracy is not None:
+            responses.append(
+                expected_response(f"{test}.{name}", accuracy, cloud, expected, info.unit)
+            )
+    return tuple(responses)
+
+
+def told_tests(
+    solvers: Mapping[str, Solver], cloud: Cloud, accuracy_of: AccuracyOf
+) -> tuple[list[Candidate], dict[str, str]]:
+    """Return tests with the slopes of the atlas, and why others have none.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        The tests, by name.
+    cloud : Cloud
+        Parameter sets over which the slopes are taken.
+    accuracy_of : callable
+        Accuracies of the responses.
+    """
+    found, missing = [], {}
+    for test, solver in solvers.items():
+        responses = told_responses(test, solver, cloud, partial(accuracy_of, test))
+        if responses:
+            found.append(Candidate(test, seconds_of(solver, cloud.middle), responses))
+        else:
+            missing[test] = messages.NOT_IN_ATLAS()
+    return found, missing
+
+
+def untold_effects(solvers: Mapping[str, Solver], cloud: Cloud) -> dict[str, list[str]]:
+    """Return the tests of which the atlas does not tell what a parameter does, by parameter.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        By name of the test.
+    cloud : Cloud
+        Of the free parameters.
+    """
+    found: dict[str, list[str]] = {}
+    for test, solver in solvers.items():
+        try:
+            tells_of = Expectation(solver, cloud.middle).tells_of
+        except NotInAtlasError:
+            continue
+        for name in cloud.names:
+            if plain_name(name) not in BETTER_FIXED and not tells_of(name):
+                found.setdefault(name, []).append(test)
+    return found
+
+
+def are_dry_spheres(solvers: Mapping[str, Solver], material: Mapping[str, float]) -> bool:
+    """Return whether particles are spheres without cohesion, as those of the atlas."""
+    tests = [solver.bulk_test for solver in solvers.values() if solver.bulk_test]
+    are_clumps = any(test.sizes.shape is not None for test in tests)
+    is_cohesive = any(value for name, value in material.items() if plain_name(name) in COHESION)
+    return not are_clumps and not is_cohesive
