@@ -186,7 +186,7 @@ def test_the_progress_begins_with_the_numbers_of_check(tmp_path: Path, budget: i
     [planned] = re.findall(r"DEM runs: (.+?), 5 of them for the design", grainfit("check", file))
     assert f"0 done, 1 running, 0 failed, {planned} to come" in begun
     # By the recorded scatter of the angle: 2.24 standard errors within the tolerance.
-    scatter = gf.tests.Heap.responses["angle_of_repose"].sensitivities.scatter * 22 / 0.5
+    scatter = gf.tests.Heap.responses["angle_of_repose"].trials.scatter * 22 / 0.5
     needed = int(1.1 * (2.24 * scatter) ** 2 + 6)
     assert planned == (
         f"about {needed} ({int(needed / 1.6)} to {math.ceil(1.6 * needed)})"

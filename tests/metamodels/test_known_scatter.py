@@ -57,7 +57,7 @@ def test_the_recorded_scatter_of_a_bulk_test_is_known() -> None:
     material = {"particle.density": 2500.0}
     solver = gf.solvers.Lammps(heap(diameter=0.01), material)
     known = with_recorded_scatters(problem, {"heap": solver}, {"heap": 4})
-    recorded = heap.responses["angle_of_repose"].sensitivities.scatter
+    recorded = heap.responses["angle_of_repose"].trials.scatter
     assert known.scatters == {"angle_of_repose": pytest.approx(22.0 * recorded / 2)}
 
 

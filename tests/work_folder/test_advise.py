@@ -107,8 +107,11 @@ def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     saved = gf.open(folder)
     assert saved.intervals[DENSITY].determination == "not determined"
     works: list[ExpectedWork] = []
+    at_once = saved.advise(tests=["packing", "compression"])
+    assert at_once.best is not None
+    assert at_once.best.name == "packing"
     options = {"tests": ["packing", "compression"], "seeds": 1, "on_start": works.append}
-    found = saved.advise(**options)
+    found = saved.advise(simulate=True, **options)
     assert works[0].runs == 5
     assert works[0].seconds is not None
     assert found.best is not None
@@ -121,12 +124,12 @@ def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     assert density.slopes[DENSITY] == pytest.approx(1.07, abs=0.15)
     # The particles are too soft to be compressed: said, not simulated.
     own, remark = found.remarks
-    assert own.startswith("Measure bulk_density of heap as well, to 1 %: by recorded slopes,")
+    assert own.startswith("Measure bulk_density of heap as well, to 1 %: by the atlas,")
     assert remark.startswith("Not compared: compression.")
     assert "Do next: packing (poured container)." in str(found)
     # A second call makes no run, and says the same.
     done = CliRunner().invoke(
-        app, ["advise", str(folder), "--test", "packing", "--seeds", "1", "--yes"]
+        app, ["advise", str(folder), "--simulate", "--test", "packing", "--seeds", "1", "--yes"]
     )
     assert "All runs are known already" in done.stderr
     assert "Do next: packing (poured container)." in done.stdout

@@ -110,10 +110,11 @@ class Reading:
 
     def tells_of(self, name: str) -> bool:
         """Return whether a parameter moves an input."""
-        wall = wall_of(name)
-        if plain_name(name) not in _TOLD or wall in (None, self._walls.first):
-            return plain_name(name) in _TOLD
-        return wall in self._walls.of_options(varied_of(self.kind).values).values()
+        wall, plain = wall_of(name), plain_name(name)
+        if plain not in _TOLD or wall in (None, self._walls.first):
+            return plain in _TOLD
+        options = self._walls.of_options(varied_of(self.kind).values)
+        return any(own == wall and _friction(option) == plain for option, own in options.items())
 
     def inputs(self, material: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs of a material, or of arrays of materials, by name."""
@@ -135,8 +136,7 @@ class Reading:
     def _as_number(self, name: str, value: Any, material: Mapping[str, Any]) -> Any:
         """Return the value of an option; the friction of a part may be a wall's or particles'."""
         if value is None:
-            friction = WALL_SLIDING if "sliding" in name else WALL_ROLLING
-            return material[on_wall(friction, self._walls.of_options([name])[name])]
+            return material[on_wall(_friction(name), self._walls.of_options([name])[name])]
         return material[ROLLING] if value == AS_PARTICLES else value
 
     def unit(self, response: str, values: Mapping[str, Array]) -> Array:
@@ -192,6 +192,11 @@ class _Walls:
         told = {self.options[name] for name in varied if name in self.options}
         if any(wall != self.first for part, wall in self.parts.items() if part not in told):
             raise NotInAtlasError(messages.WALLS())
+
+
+def _friction(option: str) -> str:
+    """Return the parameter that the friction of a part has by default."""
+    return WALL_SLIDING if "sliding" in option else WALL_ROLLING
 
 
 def _kind_of(test: BulkTest) -> type[BulkTest]:
