@@ -182,7 +182,7 @@ def test_tests_that_are_not_those_of_the_file_are_sized_for_enlarged_particles(p
     found = " ".join(str(gf.design(plan)).split())
     for why in re.findall(r"Not compared: \w+\. ([^.]*\.)", found):
         assert why == messages.NOT_IN_ATLAS()
-    assert "draw_down, drum, funnel, packing, shear and tapped: their apparatus is sized" in found
+    assert "drum, funnel, hopper, packing, shear and tapped: their apparatus is sized" in found
     assert "simulated particles, 2.5 times as large as the real ones" in found
 
     setup = load_planned_file(plan)

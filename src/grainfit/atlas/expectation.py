@@ -16,6 +16,8 @@ from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.solvers.base import Solver
 
 Array = NDArray[np.float64]
+#: Share of an input's range below its lower end up to which responses follow the trend.
+_BEYOND = 0.5
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,8 @@ class Expectation:
     def responses(self, values: Mapping[str, Array]) -> dict[str, ExpectedResponse]:
         """Return the responses at parameter sets, by name; those with too few rows are left out.
 
-        Beyond the rows, the nearest material within them stands for another one.
+        Beyond the rows, responses follow the trend for a while; then the material at its end stands
+        for any farther one.
 
         Parameters
         ----------
@@ -79,7 +82,7 @@ class Expectation:
             Free parameters, SI, each of shape (m,).
         """
         limits = [span.limit for span in self._reading.ranges.values()]
-        points = np.clip(self._reading.shares(values), 0.0, limits)
+        points = np.clip(self._reading.shares(values), -_BEYOND, limits)
         return {name: self._expected(name, points, values) for name in self._models}
 
     def _expected(self, name: str, points: Array, values: Mapping[str, Array]) -> ExpectedResponse:
