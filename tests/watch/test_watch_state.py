@@ -18,7 +18,7 @@ from watched_runs import NAME, calibration, go, run, served, wait_for
 import grainfit as gf
 from benchmarks import campaigns
 from grainfit.atlas import messages as atlas_messages
-from grainfit.bulk_tests.sensitivities import ROLLING
+from grainfit.bulk_tests.parameter_names import ROLLING
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import hold
