@@ -11,6 +11,7 @@ from grainfit.analysis.modulus_study import ModulusStudy as ModulusStudy
 from grainfit.analysis.scatter import RepeatedRuns as RepeatedRuns
 from grainfit.atlas.estimate import Estimate as Estimate
 from grainfit.calibration.calibrate import calibrate as calibrate
+from grainfit.calibration.holdout import Holdout as Holdout
 from grainfit.calibration.progress import Progress as Progress
 from grainfit.calibration_file.build import CalibrationSetup as CalibrationSetup
 from grainfit.calibration_file.build import load_calibration
@@ -60,6 +61,8 @@ from grainfit.work_folder.analyse_runs import RunsAnalysis as RunsAnalysis
 from grainfit.work_folder.analyse_runs import analyse_runs as analyse_runs
 from grainfit.work_folder.design import design as design
 from grainfit.work_folder.estimate import estimate as estimate
+from grainfit.work_folder.predict import Predictions as Predictions
+from grainfit.work_folder.predict import predict as predict
 from grainfit.work_folder.repeat_runs import repeat_runs as repeat_runs
 from grainfit.work_folder.size_study import size_study as size_study
 from grainfit.work_folder.stiffness_study import stiffness_study as stiffness_study

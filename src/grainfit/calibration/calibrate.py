@@ -13,6 +13,8 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from grainfit.calibration import messages
+from grainfit.calibration.holdout import Holdout, require_holdouts
+from grainfit.calibration.holdouts_after import HoldoutsAfter, options_of_holdout
 from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.options import CalibrationOptions
@@ -66,6 +68,7 @@ def calibrate(
     repeats: int | Mapping[str, int] = 1,
     relatives: Mapping[str, Solver] | None = None,
     twins: Twins | None = None,
+    holdouts: Sequence[Holdout] = (),
     executor: Executor | None = None,
     runs_from: str | Path | Sequence[str | Path] = (),
     store: str | None = None,
@@ -115,6 +118,9 @@ def calibrate(
     twins : Twins, optional
         What the solvers simulate instead of the laboratory's larger apparatus, and the ratios of
         the responses: the result is then ``predicted`` at best.
+    holdouts : sequence of Holdout
+        Tests that take no part in the fit: registered before the first run, and predicted when the
+        answer is calibrated.
     executor : concurrent.futures.Executor, optional
         Executor of the runs, ``workers`` at a time: processes, or the nodes of a cluster. They must
         see the work folder at the same path. It is not shut down. By default threads that wait for
@@ -182,6 +188,7 @@ def calibrate(
     cheaper = relatives_of(problem, relatives or {})
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)
+    require_holdouts(problem, list(solvers), holdouts)
     for solver in cheaper.values():
         solver.check()
     verification_runs = verification_runs or VERDICT.fresh_seeds
@@ -244,8 +251,20 @@ def calibrate(
         campaign = Campaign(solvers, runs, folder, making, shared, cheaper)
         stack.callback(campaign.close)
         own = replace(problem, relatives=())
-        result = CalibrationLoop(own, search, campaign, runs, options).run()
-        return result if folder is None else _keep(result, folder / RESULT_NAME)
+        loop = CalibrationLoop(own, search, campaign, runs, options)
+
+        def keep_result(result: Result) -> Result:
+            return result if folder is None else _keep(result, folder / RESULT_NAME)
+
+        if not holdouts:
+            return keep_result(loop.run())
+
+        def make(holdout: Holdout, solver: Solver) -> Campaign:
+            limited = options_of_holdout(holdout, problem, making)
+            return Campaign({holdout.name: solver}, runs, folder, limited, shared)
+
+        after = HoldoutsAfter(holdouts, runs, folder, options, make)
+        return after.predicted(loop.run(), loop.material, keep_result)
 
 
 @contextmanager

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from grainfit.calibration import messages
-from grainfit.errors import GrainfitError
+from grainfit.calibration.holdout import Material
+from grainfit.errors import GrainfitError, RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import value_with_unit
 from grainfit.problem import Problem
@@ -80,6 +81,42 @@ def _with_intervals(
         return _with_notices(result, [messages.NO_INTERVALS(why=error)])
     rough = found.posterior is not None and not found.posterior.converged
     return _with_notices(replace(result, intervals=found.intervals), found.notes if rough else ())
+
+
+def material_of_result(
+    result: Result,
+    problem: Problem,
+    evaluations: Sequence[Evaluation],
+    warm_start: Sequence[Evaluation],
+) -> Material:
+    """Return the answer with the parameter sets that agree with the targets.
+
+    Parameters
+    ----------
+    result : Result
+        The result.
+    problem, evaluations, warm_start
+        As of `with_intervals`.
+
+    Raises
+    ------
+    RunFailedError
+        There are none, as far as the runs tell.
+    """
+    # Imported here: emcee is needed only now.
+    from grainfit.analysis.analysis import analyse_parameters
+
+    widened = problem.widened_to([evaluation.proposal.parameters for evaluation in evaluations])
+    runs = distinct_runs([*evaluations, *warm_start])
+    try:
+        found = analyse_parameters(widened, runs, seed=result.seed, answer=result.parameters)
+    except (ArithmeticError, ValueError) as error:
+        raise RunFailedError(messages.NO_POSTERIOR(why=error)) from error
+    if found.posterior is None:
+        raise RunFailedError(messages.NO_POSTERIOR(why=" ".join(found.notes)))
+    return Material(
+        widened, result.parameters, found.posterior.points, result.seed, result.identity
+    )
 
 
 def _with_notices(result: Result, notices: Iterable[str]) -> Result:

@@ -15,7 +15,8 @@ from typing import Any
 from grainfit.calibration import messages
 from grainfit.calibration.build_result import Ending, make_result
 from grainfit.calibration.expected_deviation import ExpectedDeviation
-from grainfit.calibration.intervals import with_intervals
+from grainfit.calibration.holdout import Material
+from grainfit.calibration.intervals import material_of_result, with_intervals
 from grainfit.calibration.judged_answer import Demands, JudgedAnswer, judge_by_runs
 from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.progress import Progress
@@ -246,13 +247,31 @@ class CalibrationLoop:
         result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
         near = [self._near.notice] if self._near.tests else []
         result = replace(result, other_notices=(*near, *result.other_notices))
-        known = self._repetitions(self._evaluations).is_known
-        own = [one for one in self._evaluations if not known(one)]
+        own = self._own_evidence()
         result = with_intervals(result, self._problem, own, self._known, self._campaign.solvers)
         tests = tests_of_runs(self._evaluations, self._store.find_many)
         result = replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
         twins = self._options.twins
         return result if twins is None else twins.predicted(result, self._strategy.confidence)
+
+    def _own_evidence(self) -> list[Evaluation]:
+        known = self._repetitions(self._evaluations).is_known
+        return [one for one in self._evaluations if not known(one)]
+
+    def material(self, result: Result) -> Material:
+        """Return what the runs tell of the parameters, for the prediction of hold-outs.
+
+        Parameters
+        ----------
+        result : Result
+            What `run` has returned.
+
+        Raises
+        ------
+        RunFailedError
+            No parameter set agrees with the targets, as far as the runs tell.
+        """
+        return material_of_result(result, self._problem, self._own_evidence(), self._known)
 
     def _requests_of_earlier_starts(self) -> list[RequestRecord]:
         recorded = self._store.requests(self._identity)

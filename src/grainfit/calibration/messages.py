@@ -61,3 +61,17 @@ KNOWN_SCATTER = Message(
     "contradict it: {scatters}."
 )
 WARM_START = Message("Warm start from {runs} earlier runs: {places}.")
+
+# Hold-outs.
+HOLDOUT_OF_SAME_NAME = Message(
+    "has the name of another test.", 'Give it a name of its own: name = "...".'
+)
+HOLDOUT_WITHOUT_RESPONSE = Message("yields no {name}.", "There are: {responses}.")
+HOLDOUTS_UNREADABLE = Message("{path!r} cannot be read: {why}.")
+HOLDOUTS_DAMAGED = Message(
+    "{path!r} is damaged: {why}. It holds when hold-outs were registered: remove it to register "
+    "them again."
+)
+NO_POSTERIOR = Message(
+    "No parameter sets agree with the fitted tests as far as the runs tell: {why}"
+)

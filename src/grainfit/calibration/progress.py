@@ -18,7 +18,7 @@ class Progress:
     Parameters
     ----------
     stage : str
-        ``design``, ``optimisation`` or ``verification``.
+        ``design``, ``optimisation``, ``verification`` or ``hold-out``.
     done, running, failed : int
         Finished, running and failed runs: one test at one parameter set each.
     to_come : RunsToCome

@@ -138,6 +138,23 @@ def restricted(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Sol
     }
 
 
+def restricted_to_used(problem: Problem, solver: Solver) -> tuple[Problem, Solver]:
+    """Return the problem of the parameters that a solver depends on, and the solver for them.
+
+    Raises
+    ------
+    InputError
+        It depends on none.
+    """
+    names = [parameter.name for parameter in problem.parameters]
+    used = solver.depends_on(names)
+    if not used:
+        raise InputError(messages.IDLE_TEST.fault(""))
+    kept = [parameter for parameter in problem.parameters if parameter.name in used]
+    without = Problem(kept, problem.targets)
+    return without, _without(solver, set(names).difference(used))
+
+
 def _test_of(target: str, tests: Collection[str]) -> str:
     """Return the test of a target, ``test.response``; empty if there is none."""
     found = [test for test in tests if target.startswith(response_name(test, "", len(tests)))]

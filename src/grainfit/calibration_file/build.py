@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.calibration.holdout import Holdout
 from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.provenance import Provenance
@@ -66,6 +67,8 @@ class CalibrationSetup:
         Solvers of cheaper relatives of the tests, by name of the test.
     twins : dict of str to Solver
         Solvers of smaller apparatus that are simulated instead, by name of the test.
+    holdouts : tuple of Holdout
+        Tests that take no part in the fit.
     """
 
     __repr__ = one_line
@@ -76,6 +79,7 @@ class CalibrationSetup:
     local: bool = False
     relatives: dict[str, Solver] = field(default_factory=dict)
     twins: dict[str, Solver] = field(default_factory=dict)
+    holdouts: tuple[Holdout, ...] = ()
 
     @property
     def simulated(self) -> dict[str, Solver]:
@@ -265,6 +269,7 @@ class CalibrationSetup:
                 store=store,
                 retry_failed=retry_failed,
                 provenance=self.provenance,
+                holdouts=self.holdouts,
                 on_progress=on_progress,
                 progress=progress,
                 **options,
@@ -394,7 +399,16 @@ def build_calibration(file: CalibrationFile) -> CalibrationSetup:
         relatives = relative_solvers(file, build_solvers, problem)
         solvers = restricted(problem, solvers)
         twins = twin_solvers(file, solvers, problem)
-        return CalibrationSetup(file, problem, solvers, relatives=relatives, twins=twins)
+        if twins and file.holdouts:
+            raise InputError(messages.TWINS_AND_HOLDOUTS.fault("strategy.twins"))
+        return CalibrationSetup(
+            file,
+            problem,
+            solvers,
+            relatives=relatives,
+            twins=twins,
+            holdouts=build_holdouts(file),
+        )
 
 
 def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
@@ -405,16 +419,49 @@ def build_solvers(file: CalibrationFile) -> dict[str, Solver]:
     InputError
         A test cannot be simulated; lists all faults of all tests.
     """
+    return _solvers_of(file, file.tests, "test")
+
+
+def _solvers_of(
+    file: CalibrationFile, tests: Iterable[TestSpecification], section: str
+) -> dict[str, Solver]:
     solvers: dict[str, Solver] = {}
     faults: list[Fault] = []
-    for test in file.tests:
+    for test in tests:
         try:
             solvers[test.name] = types_of_test()[test.type].make_solver(_entry(file, test))
         except InputError as error:
-            faults += _faults_of_test(test.number, error)
+            faults += _faults_of_test(f"{section}[{test.number}]", error)
     if faults:
         raise InputError(faults_with_lines(file.path, faults), str(file.path))
     return solvers
+
+
+def build_holdouts(
+    file: CalibrationFile, tests: Sequence[TestSpecification] | None = None
+) -> tuple[Holdout, ...]:
+    """Build the hold-outs of a file; nothing is executed.
+
+    Parameters
+    ----------
+    file : CalibrationFile
+        The file.
+    tests : sequence of TestSpecification, optional
+        Other tests of the file, in place of its hold-outs.
+
+    Raises
+    ------
+    InputError
+        A test cannot be simulated; lists all faults.
+    """
+    chosen = file.holdouts if tests is None else tests
+    solvers = _solvers_of(file, chosen, "holdout" if tests is None else "test")
+    return tuple(
+        Holdout(
+            test.name, solvers[test.name], test.targets, test.repeats, test.options.get("timeout")
+        )
+        for test in chosen
+    )
 
 
 def _problem(file: CalibrationFile) -> Problem:
@@ -469,11 +516,11 @@ def _entry(file: CalibrationFile, test: TestSpecification) -> FileEntry:
     )
 
 
-def _faults_of_test(number: int, error: InputError) -> list[Fault]:
+def _faults_of_test(test: str, error: InputError) -> list[Fault]:
     """Add the test to the faults of its solver, which knows only its own arguments."""
     if error.source:
-        return [Fault(f"test[{number}]", f"{error.source}: {fault}") for fault in error.faults]
-    return [replace(fault, key=f"test[{number}].{fault.key}") for fault in error.faults]
+        return [Fault(test, f"{error.source}: {fault}") for fault in error.faults]
+    return [replace(fault, key=f"{test}.{fault.key}") for fault in error.faults]
 
 
 def _without_none(values: Mapping[str, Any]) -> dict[str, Any]:

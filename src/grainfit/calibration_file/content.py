@@ -150,6 +150,8 @@ class CalibrationFile:
         Parameters that have been measured, for people.
     tables : tuple of str
         How the tables that the file names were understood, one line each.
+    holdouts : tuple of TestSpecification
+        Tests that take no part in the fit; their targets may be missing.
     """
 
     name: str
@@ -163,11 +165,12 @@ class CalibrationFile:
     contact_models: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
+    holdouts: tuple[TestSpecification, ...] = ()
 
     @property
     def ranks(self) -> int:
         """Largest number of MPI ranks of a run."""
-        return max(int(test.options.get("ranks", 1)) for test in self.tests)
+        return max(int(test.options.get("ranks", 1)) for test in (*self.tests, *self.holdouts))
 
     @property
     def timeouts(self) -> dict[str, float]:

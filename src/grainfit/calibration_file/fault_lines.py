@@ -13,7 +13,7 @@ from grainfit.checks import Finding
 from grainfit.errors import Fault, InputError
 from grainfit.options.places import FileFault, Findings, KeyPath, dotted
 
-_TEST = re.compile(r"test\[(\d+)\](?:\.|$)")
+_TEST = re.compile(r"(test|holdout)\[(\d+)\](?:\.|$)")
 #: Before the key of a fault of one of several tests.
 _NAME = re.compile(r"test \w+, ")
 
@@ -112,7 +112,7 @@ def _located(fault: Fault, lines: Mapping[KeyPath, int]) -> Fault:
 def _parts(key: str) -> tuple[KeyPath, KeyPath]:
     """Return the test and the rest of a key; of several keys, of the first one."""
     found = _TEST.match(key)
-    test: KeyPath = () if found is None else ("test", int(found[1]))
+    test: KeyPath = () if found is None else (found[1], int(found[2]))
     rest = key[found.end() if found else 0 :].partition(", ")[0]
     return test, tuple(rest.split(".")) if rest else ()
 

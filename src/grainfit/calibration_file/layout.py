@@ -35,7 +35,7 @@ from grainfit.materials.sizes import LARGEST_FACTOR, ParticleSizes
 from grainfit.materials.walls import PLAIN, WALL_SECTIONS, on_wall, plain_name, wall_of
 from grainfit.options.kinds import Choice, Quantity, Text
 from grainfit.options.kinds import Kind as OptionKind
-from grainfit.options.places import Findings, Place
+from grainfit.options.places import Findings, Place, show
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import Parameter
 from grainfit.solvers.own_model.prime_seed import PRIME_SEEDS
@@ -50,6 +50,8 @@ MATERIAL_SECTIONS = {
 _DIAMETER, _SHAPE, _FACTOR = "diameter", "shape", "coarse_graining"
 #: Keys of ``[particle]`` that make up the simulated particles, and are no parameters.
 _PARTICLES = (_DIAMETER, _SHAPE, _FACTOR)
+#: Sections of tests, each a list.
+_TESTS = ("test", "holdout")
 _KINDS: dict[Kind, str] = {
     "contact": "normal and tangential force",
     "cohesion": "cohesion",
@@ -178,6 +180,11 @@ LAYOUT = Table(
         ),
         Key("test", Tests(), "The bulk tests that were measured."),
         Key(
+            "holdout",
+            Tests("holdout"),
+            "Tests that take no part in the fit, and are predicted afterwards.",
+        ),
+        Key(
             "strategy",
             StrategySection(_homes()),
             "Strategy and options of the search; all optional.",
@@ -196,7 +203,7 @@ LAYOUT = Table(
 PLANNED_LAYOUT = replace(
     LAYOUT,
     keys=tuple(
-        replace(key, kind=Tests(planned=True)) if key.name == "test" else key for key in LAYOUT.keys
+        replace(key, kind=Tests("plan")) if key.name == "test" else key for key in LAYOUT.keys
     ),
 )
 
@@ -216,6 +223,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
     values: Values = (PLANNED_LAYOUT if planned else LAYOUT).read(document, place)
     if "test" not in document:
         place.at("test").fault("is missing.", "Add a section [[test]] with type and targets.")
+    _note_names_of_holdouts(document, place)
     simulated = _simulated(document)
     if simulated:
         declared = declared_walls(values)
@@ -225,7 +233,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
         _note_parameters_without_effect(values, place)
         _note_impossible_shape(values, place)
         _note_impossible_tests(simulated, values, place)
-        if len(simulated) == len(document["test"]):
+        if len(simulated) == sum(len(document.get(section, ())) for section in _TESTS):
             _note_useless_parameters(simulated, values, place)
             note_unused_walls([w for one in simulated for w in one.used(declared)], values, place)
     if not any(isinstance(value, Parameter) or value is None for value in _parameters(values)):
@@ -281,18 +289,35 @@ def _parameters(values: Values) -> list[Any]:
 
 
 def _simulated(document: dict[str, Any]) -> list[TestWalls]:
-    """Return the bulk tests of a file."""
-    tests = document.get("test")
-    if not isinstance(tests, list):
-        return []
+    """Return the bulk tests of a file, hold-outs included."""
     known = {name: kind.bulk_test for name, kind in types_of_test().items()}
+    tables = {section: document.get(section) for section in _TESTS}
     return [
-        TestWalls(index, test, table)
+        TestWalls(index, test, table, section)
+        for section, tests in tables.items()
+        if isinstance(tests, list)
         for index, table in enumerate(tests)
         if isinstance(table, dict)
         and isinstance(table.get("type"), str)
         and (test := known.get(table["type"])) is not None
     ]
+
+
+def _note_names_of_holdouts(document: dict[str, Any], place: Place) -> None:
+    """Note hold-outs with the name of a fitted test: their runs and responses go by it."""
+    names: dict[str, list[Any]] = {}
+    for section in _TESTS:
+        tables = document.get(section)
+        names[section] = [
+            table.get("name", table.get("type")) if isinstance(table, dict) else None
+            for table in (tables if isinstance(tables, list) else ())
+        ]
+    for index, name in enumerate(names["holdout"]):
+        if isinstance(name, str) and name in names["test"]:
+            place.at("holdout", index, "name").fault(
+                f"{show(name)} is the name of a [[test]] too.",
+                'Give it a name of its own: name = "...".',
+            )
 
 
 def _words(simulated: list[TestWalls]) -> str:
@@ -411,4 +436,4 @@ def _note_impossible_tests(simulated: list[TestWalls], values: Values, place: Pl
             one.test(sizes, **options)
         except InputError as error:
             for fault in error.faults:
-                place.at("test", one.index, fault.key).fault(fault.message, fault.remedy)
+                place.at(one.section, one.index, fault.key).fault(fault.message, fault.remedy)

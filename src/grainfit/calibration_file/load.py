@@ -122,4 +122,5 @@ def _calibration_file(
         contact_models=chosen_models(values),
         notes=tuple(str(angle) for angle in angles),
         tables=tables,
+        holdouts=tuple(values.get("holdout", ())),
     )

@@ -54,3 +54,15 @@ NEXT_SEARCH = Message("Search again, with the ratios of the sizes at the answer.
 SIZES_OF = Message("Sizes of {test} at the answer: {sizes} particles, {seeds} runs each.")
 FULL_SIZE_RUN = Message("Run {number} at full size: {tests}.")
 STARTS_ANEW = Message("A run of {test} that is killed starts anew: {why}.")
+
+# Hold-outs.
+TWINS_AND_HOLDOUTS = Message(
+    "is given beside [[holdout]], and smaller apparatus have no prediction for another test.",
+    "Leave the hold-out out: 'grainfit predict' simulates it from a file of its own.",
+)
+HOLDOUT_LINE = Message(
+    "Hold-out {test}: {runs} after the verdict, if the material is calibrated, {at_answer} of them "
+    "at the answer{time}. {measured}"
+)
+HOLDOUT_MEASURED = Message("Its measured values take no part in the fit.")
+HOLDOUT_UNMEASURED = Message("It has no measured value: what is expected will be told.")

@@ -8,6 +8,7 @@ from itertools import chain
 
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines
+from grainfit.calibration.holdout import require_holdouts
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.apparatus import simulated_apparatus
@@ -21,6 +22,7 @@ from grainfit.calibration_file.fault_lines import (
     with_key_lines,
     with_lines,
 )
+from grainfit.calibration_file.holdout_line import holdout_line
 from grainfit.calibration_file.relatives import what_differs
 from grainfit.calibration_file.run_time import (
     ExpectedRuns,
@@ -117,6 +119,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         lines += apparatus_lines(test, values)
     lines += _relative_lines(setup)
     lines += _twin_lines(setup)
+    _add_holdouts(setup, call_scenes, lines, executes, problems)
     lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
     lines += [f"Table {line}." for line in setup.file.tables]
@@ -153,6 +156,25 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
         time.seconds if time else None,
         apparatus,
     )
+
+
+def _add_holdouts(
+    setup: CalibrationSetup,
+    call_scenes: bool,
+    lines: list[str],
+    executes: list[str],
+    problems: list[str],
+) -> None:
+    """Add what hold-outs simulate and execute, and what keeps them from it."""
+    for holdout in setup.holdouts:
+        try:
+            model = holdout.model
+            executes += [f"hold-out {holdout.name}: {line}" for line in model.executes()]
+            require_holdouts(setup.problem, list(setup.solvers), [holdout])
+            if call_scenes or not _has_code(model):
+                lines.append(holdout_line(holdout, setup.problem, setup.workers))
+        except GrainfitError as error:
+            problems += _words(setup, Obstacle("", error))
 
 
 def _words(setup: CalibrationSetup, obstacle: Obstacle) -> list[str]:

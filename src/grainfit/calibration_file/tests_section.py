@@ -1,4 +1,4 @@
-"""The ``[[test]]`` tables of the calibration file: one layout for each type of test."""
+"""The ``[[test]]`` and ``[[holdout]]`` tables of the calibration file: one layout for each type."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import BUILT_IN
@@ -16,6 +16,7 @@ from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correl
 from grainfit.calibration_file.curves import (
     CURVE_EXAMPLE,
     CURVE_OF_TABLE,
+    HOLDOUT_CURVE,
     PLANNED_CURVE,
     CurveTable,
     OwnTarget,
@@ -32,6 +33,8 @@ from grainfit.solvers.file_entry import TestType
 from grainfit.solvers.other_names import instead_of_test
 from grainfit.solvers.registry import types_of_test
 
+#: What the tables are for: to be fitted, planned before the laboratory, or predicted.
+Use = Literal["fit", "plan", "holdout"]
 _OWN_EXAMPLE = '{ angle = { value = 36.0, uncertainty = 0.5, unit = "deg" } }'
 
 _REPEATS = Key(
@@ -43,9 +46,9 @@ _REPEATS = Key(
 )
 
 
-def layout_of_test(kind: TestType, *, planned: bool = False) -> Table:
-    """Return the layout of a ``[[test]]`` of one type; planned tests need no measured values."""
-    targets, example = _targets(kind, planned=planned)
+def layout_of_test(kind: TestType, use: Use = "fit") -> Table:
+    """Return the layout of a test of one type; only those to be fitted need measured values."""
+    targets, example = _targets(kind, use)
     apparatus = apparatus_key(kind.name)
     return Table(
         (
@@ -57,13 +60,13 @@ def layout_of_test(kind: TestType, *, planned: bool = False) -> Table:
                 "targets",
                 targets,
                 "What was measured: one entry for each response.",
-                required=not planned,
+                required=use == "fit",
                 example=example,
             ),
-            CORRELATIONS,
+            *(() if use == "holdout" else (CORRELATIONS,)),
             _REPEATS,
         ),
-        partial(_planned if planned else _specification, kind),
+        partial(_READERS[use], kind),
         _homes(lambda test: [key.name for key in test.option_keys()]),
     )
 
@@ -77,12 +80,12 @@ def _homes(names: Callable[[type[BulkTest]], Iterable[str]]) -> dict[str, str]:
     return {name: f"a test of type {in_a_row(found, 'or')}" for name, found in types.items()}
 
 
-def _targets(kind: TestType, *, planned: bool) -> tuple[Kind, str]:
+def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
-    test, table = kind.bulk_test, PlannedTargetTable if planned else TargetTable
+    test, table = kind.bulk_test, PlannedTargetTable if use == "plan" else TargetTable
+    refused = _REFUSED_CURVES[use]
     if test is None or not test.responses:
-        refused = PLANNED_CURVE if planned else CURVE_OF_TABLE
-        allowed = kind.has_curves and not planned
+        allowed = kind.has_curves and use == "fit"
         curve: CurveTable | RefusedCurve = CurveTable() if allowed else refused
         return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
     keys = tuple(
@@ -92,7 +95,7 @@ def _targets(kind: TestType, *, planned: bool) -> tuple[Kind, str]:
     curves = tuple(
         Key(
             name,
-            PLANNED_CURVE if planned else _curve_table(info),
+            _curve_table(info) if use == "fit" else refused,
             f"{info.words}.",
             example=CURVE_EXAMPLE,
         )
@@ -150,32 +153,52 @@ def _planned(kind: TestType, values: Values, place: Place) -> TestSpecification 
     return TestSpecification(name, values.pop("type"), values, (), planned=targets)
 
 
+def _holdout(kind: TestType, values: Values, place: Place) -> TestSpecification | None:
+    if kind.check is not None:
+        kind.check(values, place)
+    targets = values.pop("targets", {})
+    if targets is None or None in values.values() or None in targets.values():
+        return None
+    name, repeats = values.pop("name", values["type"]), values.pop(_REPEATS.name, 1)
+    numbers = tuple(targets.values())
+    return TestSpecification(name, values.pop("type"), values, numbers, repeats=repeats)
+
+
+_READERS = {"fit": _specification, "plan": _planned, "holdout": _holdout}
+_REFUSED_CURVES = {"fit": CURVE_OF_TABLE, "plan": PLANNED_CURVE, "holdout": HOLDOUT_CURVE}
+
+
 @dataclass(frozen=True)
 class Tests(Kind):
-    """All tests of the file.
+    """All tests of the file, or all its hold-outs.
 
     Parameters
     ----------
-    planned : bool
-        Read a file from before the laboratory: targets and their values may be missing.
+    use : {"fit", "plan", "holdout"}
+        What they are for; targets may be missing unless they are to be fitted.
     """
 
-    planned: bool = False
+    use: Use = "fit"
+
+    @property
+    def _table(self) -> str:
+        return "[[holdout]]" if self.use == "holdout" else "[[test]]"
 
     def read(self, value: Any, place: Place) -> tuple[TestSpecification | None, ...] | None:
         """Read every test; those that are faulty are None."""
         if not isinstance(value, list):
-            note_wrong_kind(value, place, "a list of tables", "Write [[test]], in two brackets.")
+            remedy = f"Write {self._table}, in two brackets."
+            note_wrong_kind(value, place, "a list of tables", remedy)
             return None
         if not value:
-            place.fault("is empty.", "Give at least one [[test]].")
+            place.fault("is empty.", f"Give at least one {self._table}.")
         _note_equal_names(value, place)
         tests = [self._read_one(entry, place.at(i)) for i, entry in enumerate(value)]
         return tuple(test and replace(test, number=i) for i, test in enumerate(tests))
 
     def _read_one(self, value: Any, place: Place) -> TestSpecification | None:
         if not isinstance(value, dict):
-            note_wrong_kind(value, place, "a table", "Write [[test]] and its keys below.")
+            note_wrong_kind(value, place, "a table", f"Write {self._table} and its keys below.")
             return None
         kinds = types_of_test()
         if "type" not in value:
@@ -184,7 +207,7 @@ class Tests(Kind):
         chosen = Choice(tuple(kinds), instead_of_test).read(value["type"], place.at("type"))
         if chosen is None:
             return None
-        layout = layout_of_test(kinds[chosen], planned=self.planned)
+        layout = layout_of_test(kinds[chosen], self.use)
         whole, instrument = with_instrument(value, place)
         specification: TestSpecification | None = layout.read(whole, place)
         if specification is None or instrument is None:
@@ -193,8 +216,9 @@ class Tests(Kind):
         return replace(specification, instrument=instrument, given=given)
 
     def schema(self) -> Schema:
-        """Return the JSON Schema of the list of tests, those of other packages left out."""
-        kinds = [layout_of_test(kind).schema() for kind in types_of_test(built_in=True).values()]
+        """Return the JSON Schema of the list, tests of other packages left out."""
+        types = types_of_test(built_in=True).values()
+        kinds = [layout_of_test(kind, self.use).schema() for kind in types]
         return {"type": "array", "items": {"oneOf": kinds}, "minItems": 1}
 
 

@@ -93,6 +93,8 @@ class TestWalls:
         Class of the test.
     table : dict
         Its table in the file.
+    section : str
+        The list: ``test`` or ``holdout``.
     """
 
     # Keeps pytest from taking it for a class of tests.
@@ -101,6 +103,7 @@ class TestWalls:
     index: int
     test: type[BulkTest]
     table: dict[str, Any]
+    section: str = "test"
 
     @property
     def given(self) -> dict[str, str]:
@@ -121,7 +124,7 @@ class TestWalls:
 
     def note_faults(self, declared: Sequence[str], place: Place) -> None:
         """Note walls that there are not, parts without a wall, and friction given twice."""
-        place = place.at("test", self.index)
+        place = place.at(self.section, self.index)
         named = [wall for wall in declared if wall != PLAIN]
         for part, wall in self.given.items():
             # Of a text that can be no name, this is noted already.

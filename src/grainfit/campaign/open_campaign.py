@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from grainfit.campaign.campaign import Campaign, CampaignOptions
@@ -38,9 +38,7 @@ def open_campaign(
     folder = folder.absolute()
     for solver in solvers.values():
         solver.check()
-    with hold(folder):
-        store = RunStore.in_folder(folder)
-        recover(folder, store)
+    with held_store(folder) as store:
         campaign = Campaign(solvers, store, folder, options)
         try:
             yield campaign
@@ -49,4 +47,22 @@ def open_campaign(
             raise
         finally:
             campaign.close()
-            store.close()
+
+
+@contextmanager
+def held_store(folder: Path) -> Iterator[RunStore]:
+    """Lock a work folder and open its store; what a killed process left is cleaned up first.
+
+    Parameters
+    ----------
+    folder : Path
+        Work folder, an absolute path.
+
+    Raises
+    ------
+    StoreError
+        The folder cannot be used.
+    """
+    with hold(folder), closing(RunStore.in_folder(folder)) as store:
+        recover(folder, store)
+        yield store

@@ -22,6 +22,7 @@ from grainfit.cli.commands.materials import materials
 from grainfit.cli.commands.measure import measure
 from grainfit.cli.commands.new import new
 from grainfit.cli.commands.photo import photo
+from grainfit.cli.commands.predict import predict
 from grainfit.cli.commands.preview import preview
 from grainfit.cli.commands.report import report
 from grainfit.cli.commands.result import result
@@ -63,6 +64,7 @@ for _command in (
     result,
     report,
     simulate,
+    predict,
     analyse,
     stiffness,
     size,

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from grainfit.materials.starting_materials import StartingMaterial
     from grainfit.preview.previewed_test import PreviewedTest
     from grainfit.problem import CurveTarget
-    from grainfit.result import Result
+    from grainfit.result import HoldoutResult, Result
     from grainfit.tables import TextTable
     from grainfit.work_folder.status import WorkdirStatus
 
@@ -37,6 +37,7 @@ _STATUS_COLOURS = {
     "unreachable": "red",
     "interrupted": "yellow",
 }
+_HOLDOUT_COLOURS = {"predicts": "green", "does not predict": "red"}
 _VERDICT_COLOURS = {
     "met": "green",
     "in doubt": "yellow",
@@ -92,6 +93,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
             console.print(_text(check))
         if result.sureness:
             console.print(result.sureness, highlight=False)
+        print_holdouts(console, result.holdouts)
         console.print(_time_step_line(result), highlight=False)
     console.print(
         f"DEM runs: {result.runs}. Wall time {duration(result.wall_seconds)}, workers busy "
@@ -101,6 +103,18 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
     console.print(
         f"Result: {folder / 'result.json'}", highlight=False, markup=False, soft_wrap=True
     )
+
+
+def print_holdouts(console: Console, holdouts: Iterable[HoldoutResult]) -> None:
+    """Print the predictions of tests that took no part in the fit."""
+    for one in holdouts:
+        verdicts = [found.verdict or "" for found in one.responses.values()]
+        # Those of the responses come first.
+        for number, sentence in enumerate(one.sentences()):
+            style = "yellow"
+            if number < len(verdicts):
+                style = _HOLDOUT_COLOURS.get(verdicts[number], "")
+            console.print(_text(sentence, style))
 
 
 def _rich_table(shown: TextTable, width: int) -> Table:
@@ -208,6 +222,7 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
             found = status.result.intervals.get(name)
             words = f" ({found.in_words(value, units.get(name, ''))})" if found else ""
             console.print(_text(f"{line}{words}"))
+        print_holdouts(console, status.result.holdouts)
     if status.result_fault:
         print_warning(console, status.result_fault)
 

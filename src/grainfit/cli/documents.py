@@ -72,6 +72,7 @@ def status_document(folder: Path, status: WorkdirStatus) -> dict[str, Any]:
         "failed": [asdict(run) for run in status.failed],
         "kept": status.kept,
         "parameters": _parameters(status.result) if status.result else None,
+        "holdouts": [asdict(one) for one in status.result.holdouts] if status.result else [],
         "result_fault": status.result_fault,
     }
 

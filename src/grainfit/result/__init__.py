@@ -1,5 +1,6 @@
 """Result of a calibration, and its parts."""
 
+from grainfit.result.holdout import HoldoutResponse, HoldoutResult, Registration
 from grainfit.result.parts import (
     CurveResult,
     MetamodelQuality,
@@ -14,8 +15,11 @@ from grainfit.result.result import Result, damaged_result
 
 __all__ = [
     "CurveResult",
+    "HoldoutResponse",
+    "HoldoutResult",
     "MetamodelQuality",
     "ParameterInterval",
+    "Registration",
     "ResponseResult",
     "Result",
     "RunCounts",

@@ -14,6 +14,7 @@ from grainfit.files import LARGEST_RESULT, read_within, write_atomically
 from grainfit.formatting import counted, number, plain_ends, plain_interval, plain_probability
 from grainfit.one_line import one_line
 from grainfit.plain_data import parse_json, read_plain
+from grainfit.result.holdout import HoldoutResult
 from grainfit.result.older_versions import in_current_names
 from grainfit.result.parts import (
     CurveResult,
@@ -85,6 +86,8 @@ class Result(Summary):
         By name of the measured curve.
     yield_loci : sequence of YieldLocusResult
         One for each material that was sheared at two or more normal stresses.
+    holdouts : sequence of HoldoutResult
+        Predictions of tests that took no part in the fit.
     """
 
     __repr__ = one_line
@@ -113,6 +116,7 @@ class Result(Summary):
     intervals: Mapping[str, ParameterInterval] = field(default_factory=dict)
     curves: Mapping[str, CurveResult] = field(default_factory=dict)
     yield_loci: tuple[YieldLocusResult, ...] = ()
+    holdouts: tuple[HoldoutResult, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -233,6 +237,7 @@ class Result(Summary):
             parts.append(check)
         if self.sureness:
             parts.append(self.sureness)
+        parts += map(str, self.holdouts)
         return (*parts, f"DEM runs: {self.runs}.")
 
     def to_dict(self) -> dict[str, Any]:

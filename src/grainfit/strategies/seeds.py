@@ -12,7 +12,7 @@ from grainfit.evaluation import Stage
 LARGEST_SEED = 900_000_000
 _STAGE_CODES: Mapping[Stage, int] = {"design": 0, "optimisation": 1, "verification": 2}
 #: Beside those of the stages.
-_REPEAT_CODE = 3
+_REPEAT_CODE, _HOLDOUT_CODE = 3, 4
 
 
 def insertion_seed(seed: int, stage: Stage, number: int) -> int:
@@ -34,6 +34,11 @@ def repeat_seed(seed: int, number: int) -> int:
         Number of the run, from 1 on.
     """
     return seed if number == 1 else _seed_from(seed, _REPEAT_CODE, number)
+
+
+def holdout_seed(seed: int, number: int) -> int:
+    """Return the insertion seed of the numbered run of a hold-out of a calibration."""
+    return _seed_from(seed, _HOLDOUT_CODE, number)
 
 
 def _seed_from(*numbers: int) -> int:

@@ -165,3 +165,47 @@ NO_BOUND_BEYOND = Message(
     "The bound in the way is {bound}, and no possible value beyond it is enough: free another "
     "parameter."
 )
+
+# Hold-outs: tests that take no part in the fit.
+HOLDOUT_PREDICTS = Message(
+    "{name}, which was not fitted, is predicted: {measured} was measured and {interval} expected; "
+    "a value as far off has a probability of {probability}. The intervals of the parameters allow "
+    "{prior}."
+)
+HOLDOUT_REFUTED = Message(
+    "{name}, which was not fitted, is not predicted: {measured} was measured, but {interval} "
+    "expected; a value as far off has a probability of {probability}.",
+    "What the fitted tests do not show matters there: the apparatus, the contact law, the shape or "
+    "a parameter that is fixed.",
+)
+HOLDOUT_TELLS_NOTHING = Message(
+    "{name}, which was not fitted, tells nothing: {measured} was measured and {interval} expected, "
+    "but that is more than half of what the intervals of the parameters allow, {prior}."
+)
+HOLDOUT_EXPECTED = Message(
+    "{name} is expected at {predicted}, within {interval} (95 %). The intervals of the parameters "
+    "allow {prior}."
+)
+HOLDOUT_PENDING = Message("Hold-out {test}: not simulated yet.")
+HOLDOUT_INTERRUPTED = Message(
+    "Hold-out {test}: interrupted.", "Start the same command again to continue."
+)
+HOLDOUT_NOT_CALIBRATED = Message(
+    "Hold-out {test}: not simulated, as no calibrated material is there to predict it.",
+    "'grainfit predict FILE' simulates it all the same.",
+)
+HOLDOUT_FAILED = Message("Hold-out {test}: no prediction. {why}")
+HOLDOUT_LATE = Message(
+    "Hold-out {test} was registered on {date}, when {runs} of the work folder were known."
+)
+HOLDOUT_CHANGED = Message(
+    "Hold-out {test} has other targets since {changed} than those registered on {date}."
+)
+HOLDOUT_OF_INTERVALS = Message(
+    "Hold-out {test}: the material comes with single intervals, so that what is expected is drawn "
+    "from these as if the parameters were independent."
+)
+HOLDOUT_OF_VALUES = Message(
+    "Hold-out {test}: the material comes without intervals of the free parameters, so that what is "
+    "expected is as exact as if the values were."
+)

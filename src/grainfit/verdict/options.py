@@ -67,3 +67,33 @@ class VerdictOptions:
 
 
 VERDICT = VerdictOptions()
+
+
+@dataclass(frozen=True)
+class HoldoutOptions:
+    """Thresholds and numbers of runs of a hold-out, each with its reason.
+
+    Parameters
+    ----------
+    answer_seeds : int
+        Runs at the answer: two could agree by chance.
+    posterior_draws : int
+        Runs at parameter sets drawn from the posterior. Beside the others they place the response
+        over the posterior to a fraction of its spread (`benchmarks/holdouts.py`).
+    prior_draws : int
+        Runs spread over the intervals of the parameters, for the spread before the calibration.
+    confidence : float
+        Probability of the interval of a measurement: the usual level.
+    narrow : float
+        Largest width of that interval, over that of the interval before the calibration: a wider
+        one would hold many materials.
+    """
+
+    answer_seeds: int = 3
+    posterior_draws: int = 8
+    prior_draws: int = 8
+    confidence: float = 0.95
+    narrow: float = 0.5
+
+
+HOLDOUT = HoldoutOptions()

@@ -141,3 +141,19 @@ NO_DENSITY = Message(
     "Give the density of the particles, such as --density 900kg/m^3.",
 )
 NOT_ABOVE_ZERO = Message("is {given}.", "Give a value above zero, with its unit.")
+
+# Predictions of hold-outs.
+NO_HOLDOUT = Message(
+    "there is no [[holdout]] in the file.", "Add one, or name a test: --test NAME."
+)
+NO_SUCH_TEST = Message("{given!r} is no test of the file.", "{remedy}")
+WAS_FITTED = Message("was fitted in this calibration.", "Name a test that took no part in it.")
+NO_POSTERIOR = Message("no parameter set agrees with the tests fitted in {folder!r}: {why}")
+NOT_WRITTEN = Message("{path!r} cannot be written: {why}.")
+MATERIAL_UNREADABLE = Message(
+    "{path!r} cannot be read: {why}.",
+    "Give the work folder of a calibration, a material card (JSON) or a TOML file with values.",
+)
+NO_MATERIAL_CARD = Message(
+    "{path!r} is no material card: {why}.", "'grainfit export DIR --to json' writes one."
+)

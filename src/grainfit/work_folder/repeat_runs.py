@@ -17,7 +17,8 @@ from grainfit.formatting import in_a_row
 from grainfit.strategies.seeds import LARGEST_SEED
 from grainfit.validation import whole_number_faults
 from grainfit.work_folder import messages
-from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
+from grainfit.work_folder.given_material import answer_for
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
 def repeat_runs(
@@ -83,7 +84,9 @@ def repeat_runs(
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
     workers = setup.workers if workers is None else workers
     _require_counts(repeat=repeat, seed=seed, workers=workers)
-    answer = None if answer_of is None else _answer(setup, Path(answer_of), settings)
+    answer = None
+    if answer_of is not None:
+        answer = answer_for(setup, SavedCalibration.open(answer_of), settings)
     values = setup.values(settings, answer)
     proposals = [Proposal(values, seed + number, "design") for number in range(repeat)]
     evaluations = simulate_batch(
@@ -98,26 +101,6 @@ def repeat_runs(
         evaluations, setup.problem.targets, _units(setup), setup.problem.curves
     )
     return replace(found, remarks=tuple(_remarks(setup, found.evaluations)))
-
-
-def _answer(setup: CalibrationSetup, folder: Path, settings: Sequence[str]) -> dict[str, float]:
-    """Return the values of an answer, which are to be those of the parameters of a file."""
-    answer = read_answer(SavedCalibration.open(folder)).parameters
-    known = {*setup.problem.middle, *setup.file.fixed}
-    given = {setting.partition("=")[0].strip() for setting in settings}
-    faults = [
-        messages.NO_PARAMETER_OF_FILE.fault(name, folder=str(folder))
-        for name in answer
-        if name not in known
-    ]
-    faults += [
-        messages.NO_VALUE_IN_ANSWER.fault(name, folder=str(folder))
-        for name in setup.problem.middle
-        if name not in answer and name not in given
-    ]
-    if faults:
-        raise InputError(faults)
-    return dict(answer)
 
 
 def _units(setup: CalibrationSetup) -> dict[str, str]:

@@ -14,7 +14,7 @@ from grainfit.cli import console as show
 from grainfit.cli.commands.report import report_at_end
 from grainfit.cli.commands.watch import OpenPage, Port, Watch, watching
 from grainfit.cli.consoles import err, err_remarks, out
-from grainfit.cli.exit_codes import OF_STATUS
+from grainfit.cli.exit_codes import INTERRUPTED, OF_STATUS
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.notification import Notify, notifying
 from grainfit.cli.options import CalibrationPath, Workdir
@@ -116,6 +116,8 @@ def run(
         if not no_report:
             stack.enter_context(report_at_end(folder))
         ending.result = _calibrate(setup, folder, **given)
+    if any(one.state == "interrupted" for one in ending.result.holdouts):
+        raise typer.Exit(INTERRUPTED)
     raise typer.Exit(OF_STATUS[ending.result.status])
 
 

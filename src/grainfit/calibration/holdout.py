@@ -1,0 +1,304 @@
+"""Simulate tests that took no part in a calibration, and predict them.
+
+Each is simulated at the answer with several seeds, at a few parameter sets drawn from the
+posterior, and at a few over the intervals of the parameters. The runs are those of a campaign:
+kept, reused, and made again only where they are missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
+from grainfit.bulk_tests.registry import response_info
+from grainfit.calibration import messages
+from grainfit.calibration.registrations import Draws, HoldoutFile
+from grainfit.calibration.scopes import restricted_to_used
+from grainfit.campaign.campaign import Campaign
+from grainfit.errors import Fault, InputError, RunFailedError
+from grainfit.evaluation import Evaluation, Proposal
+from grainfit.metamodels.designs import maximin_latin_hypercube
+from grainfit.one_line import one_line
+from grainfit.problem import Problem, Target
+from grainfit.result import HoldoutResult, Registration
+from grainfit.result.holdout import Basis
+from grainfit.run_definition import identity_of
+from grainfit.solvers.base import Solver
+from grainfit.solvers.own_model.python_callable import PythonCallable
+from grainfit.strategies.seeds import holdout_seed
+from grainfit.verdict.options import HOLDOUT
+
+#: Largest number of parameter sets over which a prediction is averaged: an end of its interval
+#: then lies at 2.5 ± 0.5 %.
+_MOST_SETS = 1000
+
+
+@dataclass(frozen=True)
+class Holdout:
+    """A test that takes no part in the fit, and is predicted afterwards.
+
+    Parameters
+    ----------
+    name : str
+        Name of the test, different from those of the fitted ones.
+    solver : Solver or callable
+        As of `grainfit.calibrate`.
+    targets : sequence of Target
+        What was measured, by the names of the responses. Without any, the responses are predicted
+        and compared with nothing.
+    repeats : int
+        Runs with different seeds whose mean is one evaluation.
+    timeout : float, optional
+        Longest wall time of a run, s; by default that of the solver.
+    """
+
+    __repr__ = one_line
+
+    name: str
+    solver: Solver | Callable[..., Mapping[str, float]]
+    targets: Sequence[Target] = ()
+    repeats: int = 1
+    timeout: float | None = None
+
+    @property
+    def model(self) -> Solver:
+        """The solver; of a function, one that calls it."""
+        if isinstance(self.solver, Solver):
+            return self.solver
+        return PythonCallable(self.solver)
+
+    @property
+    def needed(self) -> set[str]:
+        """Responses that every run must give; empty for all of its solver."""
+        return {target.name for target in self.targets}
+
+
+@dataclass(frozen=True)
+class Material:
+    """What is known of the parameters of a material.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters within their intervals before the calibration.
+    answer : mapping of str to float
+        Their values, and those of fixed parameters that are set.
+    sample : ndarray, shape (n, d)
+        Parameter sets that agree with what is known, in the unit cube.
+    seed : int
+        Seed of the calibration.
+    identity : str
+        Identity of the calibration; empty for another material.
+    basis : {"posterior", "intervals", "values"}
+        What the sample is.
+    """
+
+    problem: Problem
+    answer: Mapping[str, float]
+    sample: NDArray[np.float64]
+    seed: int = 1
+    identity: str = ""
+    basis: Basis = "posterior"
+
+    @property
+    def key(self) -> str:
+        """Key of the parameter sets that are drawn for it."""
+        return identity_of(
+            {
+                "calibration": self.identity,
+                "answer": dict(self.answer),
+                # Those of a calibration are known by its identity.
+                "intervals": {} if self.identity else _plain(self.problem.intervals),
+                "basis": self.basis,
+                "draws": [HOLDOUT.posterior_draws, HOLDOUT.prior_draws],
+            }
+        )
+
+    def draws(self) -> Draws:
+        """Return parameter sets to simulate, rounded to the digits that people read."""
+        random = np.random.default_rng(self.seed)
+        count = min(HOLDOUT.posterior_draws, len(self.sample))
+        chosen = self.sample[random.choice(len(self.sample), count, replace=False)]
+        if self.basis == "values":
+            # They are the answer itself.
+            chosen = chosen[:0]
+        spread = maximin_latin_hypercube(HOLDOUT.prior_draws, self.problem.dimension, self.seed)
+        return Draws(self.key, *(tuple(map(self._rounded, part)) for part in (chosen, spread)))
+
+    def _rounded(self, point: NDArray[np.float64]) -> dict[str, float]:
+        return {**self.answer, **self.problem.rounded(self.problem.from_unit(point))}
+
+
+@dataclass(frozen=True)
+class HoldoutProgress:
+    """Progress of the runs of a hold-out.
+
+    Parameters
+    ----------
+    done, failed, of : int
+        Runs that have ended, those of them that failed, and all.
+    campaign : Campaign
+        The campaign that makes them.
+    """
+
+    done: int
+    failed: int
+    of: int
+    campaign: Campaign
+
+
+def _plain(intervals: Mapping[str, tuple[float, float]]) -> dict[str, list[float]]:
+    return {name: list(ends) for name, ends in intervals.items()}
+
+
+def require_holdouts(problem: Problem, tests: Sequence[str], holdouts: Sequence[Holdout]) -> None:
+    """Raise `InputError` for hold-outs that cannot be simulated, or that are not told apart.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters.
+    tests : sequence of str
+        Names of the fitted tests.
+    holdouts : sequence of Holdout
+        The hold-outs.
+
+    Raises
+    ------
+    InputError, SolverNotFoundError
+        The first reason.
+    """
+    taken = set(tests)
+    for holdout in holdouts:
+        key = f"holdout {holdout.name}"
+        if holdout.name in taken:
+            raise InputError(messages.HOLDOUT_OF_SAME_NAME.fault(key))
+        taken.add(holdout.name)
+        if faults := [replace(f, key=key) for f in _faults(problem, holdout)]:
+            raise InputError(faults)
+        holdout.model.check()
+
+
+def _faults(problem: Problem, holdout: Holdout) -> Iterator[Fault]:
+    known = holdout.model.response_names
+    for target in holdout.targets:
+        if known is not None and target.name not in known:
+            name = {"name": target.name, "responses": ", ".join(sorted(known))}
+            yield messages.HOLDOUT_WITHOUT_RESPONSE.fault("", **name)
+    try:
+        own, solver = restricted_to_used(problem, holdout.model)
+    except InputError as error:
+        yield from error.faults
+        return
+    yield from solver.interval_faults(own.intervals)
+
+
+def predict_holdout(
+    holdout: Holdout,
+    material: Material,
+    file: HoldoutFile,
+    make: Callable[[Holdout, Solver], Campaign],
+    show: Callable[[HoldoutProgress], None] = lambda _: None,
+    registration: Registration | None = None,
+) -> HoldoutResult:
+    """Simulate a hold-out, or find its runs, and predict its responses.
+
+    Parameters
+    ----------
+    holdout : Holdout
+        The test.
+    material : Material
+        What is known of the parameters.
+    file : HoldoutFile
+        File of its parameter sets.
+    make : callable
+        Returns the campaign of the test, given its solver; it is closed here, and after Ctrl-C
+        its unfinished runs are ended.
+    show : callable, optional
+        Called with the progress, a few times per second.
+    registration : Registration, optional
+        Registration of its targets.
+    """
+    if (draws := file.draws(material.key)) is None:
+        file.keep(draws := material.draws())
+    own, solver = restricted_to_used(material.problem, holdout.model)
+    proposals = _proposals(material, draws)
+    runs = _simulated(make(holdout, solver), [p for part in proposals for p in part], show)
+    parts = HoldoutEvaluations(*([runs[p.seed] for p in part] for part in proposals))
+    axes = [i for i, p in enumerate(material.problem.parameters) if p in own.parameters]
+    step = max(1, len(material.sample) // _MOST_SETS)
+    sample = material.sample[::step][:, axes]
+    ended = HoldoutResult(
+        holdout.name,
+        "simulated",
+        registration=registration,
+        basis=material.basis,
+        runs=sum(len(one.runs) for one in parts.all),
+        failed=sum(len(one.failed_runs) for one in parts.all),
+    )
+    measured = {target.name: target for target in holdout.targets}
+    given = dict.fromkeys(sorted({name for one in parts.all for name in one.responses}))
+    try:
+        if not (measured or given):
+            raise RunFailedError("; ".join(_reasons(parts.all)))
+        found = {
+            name: predict_response(own, name, parts, sample, target, _unit(solver, name))
+            for name, target in (measured or given).items()
+        }
+    except RunFailedError as error:
+        return replace(ended, state="failed", why=str(error))
+    return replace(ended, responses=found)
+
+
+def _reasons(evaluations: Sequence[Evaluation]) -> list[str]:
+    """Return why runs failed, each reason once."""
+    return [*dict.fromkeys(why for one in evaluations for why in one.failures.values())]
+
+
+def _proposals(material: Material, draws: Draws) -> list[list[Proposal]]:
+    """Return the runs at the answer, over the posterior, and over the intervals."""
+    parts = [[material.answer] * HOLDOUT.answer_seeds, draws.posterior, draws.prior]
+    numbers = iter(range(1, sum(map(len, parts)) + 1))
+    return [
+        [
+            Proposal(dict(values), holdout_seed(material.seed, next(numbers)), "verification")
+            for values in part
+        ]
+        for part in parts
+    ]
+
+
+def _simulated(
+    campaign: Campaign, proposals: Sequence[Proposal], show: Callable[[HoldoutProgress], None]
+) -> dict[int, Evaluation]:
+    """Return the evaluations of some proposals by their seeds."""
+    ended: dict[int, Evaluation] = {}
+
+    def say() -> None:
+        done = sum(len(one.runs) for one in ended.values())
+        failed = sum(len(one.failed_runs) for one in ended.values())
+        every = len(proposals) * campaign.runs_per_set
+        show(HoldoutProgress(done, failed, every, campaign))
+
+    try:
+        for proposal in proposals:
+            campaign.start(proposal)
+        while campaign.has_pending:
+            for evaluation in campaign.wait(say):
+                ended[evaluation.proposal.seed] = evaluation
+            say()
+    except KeyboardInterrupt:
+        campaign.cancel()
+        raise
+    finally:
+        campaign.close()
+    return ended
+
+
+def _unit(solver: Solver, response: str) -> str:
+    known = response_info(response) if solver.bulk_test is not None else None
+    return known.unit if known else ""
