@@ -72,7 +72,7 @@ def make_card(
         calibration_file=reading.source,
         identity=reading.identity,
         version=reading.version,
-        notices=(*answer.notices, *stiff),
+        notices=(*answer.notices, *map(str, answer.holdouts), *stiff),
         contact_models=_contact_models(reading, parameters) if conditions else (),
         apparatus=tuple(_apparatus(reading, tests, parameters)),
     )

@@ -2,6 +2,7 @@
 
 from grainfit.plots.convergence_figures import convergence as convergence
 from grainfit.plots.curves_figures import curves as curves
+from grainfit.plots.holdout_figures import holdout as holdout
 from grainfit.plots.pairs_figures import pairs as pairs
 from grainfit.plots.parallel_figures import parallel as parallel
 from grainfit.plots.pareto_figures import pareto as pareto

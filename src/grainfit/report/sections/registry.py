@@ -12,6 +12,7 @@ from grainfit.report.sections.answer.section import answer
 from grainfit.report.sections.convergence.section import convergence
 from grainfit.report.sections.curves.section import curves
 from grainfit.report.sections.explorer.section import explorer
+from grainfit.report.sections.holdout.section import holdout
 from grainfit.report.sections.particles.section import particles
 from grainfit.report.sections.predicted.section import predicted
 from grainfit.report.sections.reproduce.section import reproduce
@@ -28,6 +29,7 @@ SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     answer,
     curves,
     yield_locus,
+    holdout,
     particles,
     convergence,
     surfaces,

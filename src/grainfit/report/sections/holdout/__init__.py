@@ -1,0 +1,1 @@
+"""Section of the report: tests that took no part in the fit."""
