@@ -12,8 +12,10 @@ import pytest
 import grainfit as gf
 from grainfit import scenes
 from grainfit.analysis.modulus_study import ModulusRow
+from grainfit.result import HoldoutResult
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.which_test.next_test import OpenParameters
+from grainfit.work_folder.predict import Predictions
 
 FILE = """\
 name = "my sand"
@@ -82,6 +84,8 @@ def of_values() -> list[Any]:
         gf.CurveTarget("stress", many, many, uncertainty=0.01),
         gf.Curve(many, many),
         gf.TestScope("heap", names, names),
+        gf.Holdout("drum", of_values, targets),
+        Predictions("a" * 200, (HoldoutResult("drum", "pending"),) * 9),
         gf.Relative("heap", 0.25),
         gf.RayleighTimeStep(0.005, by_name),
         gf.ParticleSizes(many, (0.02,) * 50),
