@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.calibration import messages
 from grainfit.calibration.holdout import Holdout, require_holdouts
-from grainfit.calibration.holdouts_after import HoldoutsAfter, options_of_holdout
+from grainfit.calibration.holdouts_after import HoldoutsAfter
 from grainfit.calibration.live_file import LiveFile
 from grainfit.calibration.loop import CalibrationLoop, LoopOptions
 from grainfit.calibration.options import CalibrationOptions
@@ -252,18 +253,8 @@ def calibrate(
         stack.callback(campaign.close)
         own = replace(problem, relatives=())
         loop = CalibrationLoop(own, search, campaign, runs, options)
-
-        def keep_result(result: Result) -> Result:
-            return result if folder is None else _keep(result, folder / RESULT_NAME)
-
-        if not holdouts:
-            return keep_result(loop.run())
-
-        def make(holdout: Holdout, solver: Solver) -> Campaign:
-            limited = options_of_holdout(holdout, problem, making)
-            return Campaign({holdout.name: solver}, runs, folder, limited, shared)
-
-        after = HoldoutsAfter(holdouts, runs, folder, options, make)
+        keep_result = partial(_keep, path=None if folder is None else folder / RESULT_NAME)
+        after = HoldoutsAfter(holdouts, problem, runs, folder, options, making, shared)
         return after.predicted(loop.run(), loop.material, keep_result)
 
 
@@ -282,8 +273,10 @@ def _shown(on_progress: Callable[[Progress], None] | None) -> Iterator[Callable[
         yield show
 
 
-def _keep(result: Result, path: Path) -> Result:
-    """Write the result; if that fails, return it with a notice."""
+def _keep(result: Result, path: Path | None) -> Result:
+    """Write the result where there is a place for it; if that fails, return it with a notice."""
+    if path is None:
+        return result
     try:
         result.to_json(path)
     except OSError as error:

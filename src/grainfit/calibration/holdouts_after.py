@@ -14,6 +14,7 @@ from grainfit.calibration.registrations import HoldoutFile
 from grainfit.calibration.runs_to_come import RunsToCome
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.campaign.campaign import Campaign, CampaignOptions
+from grainfit.campaign.store.shared import SharedRuns
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
@@ -33,34 +34,51 @@ class HoldoutsAfter:
     Parameters
     ----------
     holdouts : sequence of Holdout
-        The hold-outs.
+        The hold-outs; without any, nothing happens.
+    problem : Problem
+        Free parameters.
     runs : RunStore
         Store of the work folder.
     folder : Path or None
         The work folder, which this process holds.
     options : LoopOptions
         Options of the calibration: workers, progress, and the text of its file.
-    make : callable
-        Returns the campaign of a hold-out, given its solver.
+    making : CampaignOptions
+        Options for the runs of the fitted tests.
+    shared : SharedRuns, optional
+        Store through which runs are exchanged with other processes.
     """
 
     def __init__(
         self,
         holdouts: Sequence[Holdout],
+        problem: Problem,
         runs: RunStore,
         folder: Path | None,
         options: LoopOptions,
-        make: Callable[[Holdout, Solver], Campaign],
+        making: CampaignOptions,
+        shared: SharedRuns | None = None,
     ) -> None:
         self._holdouts = holdouts
+        self._problem = problem
+        self._runs = runs
+        self._folder = folder
         self._options = options
-        self._make = make
+        self._making = making
+        self._shared = shared
+        if not holdouts:
+            return
         self._file = HoldoutFile(folder)
         finished = sum(state == "finished" for state in runs.states().values())
         text = "" if options.provenance is None else options.provenance.text
         self._registrations = {
             one.name: self._file.register(one.name, one.targets, text, finished) for one in holdouts
         }
+
+    def _make(self, holdout: Holdout, solver: Solver) -> Campaign:
+        options = options_of_holdout(holdout, self._problem, self._making)
+        solvers = {holdout.name: solver}
+        return Campaign(solvers, self._runs, self._folder, options, self._shared)
 
     def predicted(
         self,
@@ -80,6 +98,8 @@ class HoldoutsAfter:
             Writes a result and returns it: before the first run of a hold-out and after each, so
             that a process that dies loses no verdict.
         """
+        if not self._holdouts:
+            return keep(result)
         if result.status == "interrupted":
             return keep(self._all(result, "pending"))
         if result.status != "calibrated":
