@@ -56,7 +56,7 @@ class Predictions(Summary):
 
     def __repr__(self) -> str:
         tests = ", ".join(one.test for one in self.holdouts)
-        return f"<Predictions of {tests:.40} by {self.material!r:.60}>"
+        return f"<Predictions of {tests:.40} by {self.material!r:.50}>"
 
     def summary(self) -> tuple[str, ...]:
         """Return the sentences that `print` and a notebook show."""
