@@ -351,7 +351,8 @@ def test_faults_of_a_hold_out_name_its_line(tmp_path: Path) -> None:
     assert "line 11, holdout[0].name" in fault(FILE, same)
     curve = HELD.partition("targets")[0] + 'targets.flow = { curve = "flow.csv" }\n'
     assert "hold-outs are compared by single responses only" in fault(FILE, curve)
-    assert "holdout[0].function" in fault(FILE, HELD.replace("model.py:drum", "7"))
+    wrong = HELD.replace("model.py:drum", "7").replace("FLOW", "10")
+    assert "holdout[0].function" in fault(FILE, wrong)
 
 
 def test_intervals_of_predictions_hold_what_they_state() -> None:
