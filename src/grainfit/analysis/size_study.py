@@ -292,10 +292,7 @@ def simulate_sizes(
     sized = plan.sized_solvers()
     labels = {f"{name}, size {plan.sizes.index(t) + 1}": (name, t) for name, t in sized}
     solvers = {label: sized[key] for label, key in labels.items()}
-    needed = {
-        label: {_short(t.name, name) for t in _targets(plan, name)}
-        for label, (name, _) in labels.items()
-    }
+    needed = {label: {*plan.problem.targets_of(name)} for label, (name, _) in labels.items()}
     timeouts = {
         label: max(solver.default_timeout(plan.parameters) or 0.0, plan.timeouts.get(key[0], 0.0))
         for (label, solver), key in zip(solvers.items(), labels.values(), strict=True)
@@ -325,25 +322,24 @@ def _sizes_of(
     labels: Mapping[tuple[str, float], str],
     evaluations: Sequence[Evaluation],
 ) -> SizesOfTest:
-    test, targets = plan.test_of(name), _targets(plan, name)
-    compared = tuple(t for t in targets if size_power(test, _short(t.name, name)) is not None)
+    test, targets = plan.test_of(name), plan.problem.targets_of(name)
+    compared = {n: t for n, t in targets.items() if size_power(test, n) is not None}
     values = {
         target.name: {
             times: [
                 found.value
                 for e in evaluations
-                if (found := e.responses.get(f"{labels[name, times]}.{_short(target.name, name)}"))
+                if (found := e.responses.get(f"{labels[name, times]}.{response}"))
             ]
             for times in plan.sizes
         }
-        for target in compared
+        for response, target in compared.items()
     }
     means = {
-        t.name: _means(
-            values[t.name],
-            {times: growth(test, _short(t.name, name), times) for times in plan.sizes},
+        target.name: _means(
+            values[target.name], {times: growth(test, response, times) for times in plan.sizes}
         )
-        for t in compared
+        for response, target in compared.items()
     }
     rows = tuple(
         SizeRow(
@@ -355,7 +351,7 @@ def _sizes_of(
         )
         for times, label in ((times, labels[name, times]) for times in plan.sizes)
     )
-    return SizesOfTest(name, test, compared, rows, _goal(plan, name))
+    return SizesOfTest(name, test, tuple(compared.values()), rows, _goal(plan, name))
 
 
 def _means(
@@ -386,13 +382,6 @@ def _goal(plan: SizePlan, name: str) -> SizeRow:
         count = round(plan.to * plan.test_of(name).number_of_particles)
         return SizeRow(plan.to, count, {}, None)
     return SizeRow(plan.to, count, {}, None if cost is None else cost.wall_seconds)
-
-
-def _targets(plan: SizePlan, name: str) -> tuple[Target, ...]:
-    targets = plan.problem.targets
-    if len(plan.problem.scopes) == 1:
-        return tuple(targets)
-    return tuple(t for t in targets if plan.problem.scope_of(t.name).name == name)
 
 
 def _short(target: str, test: str) -> str:

@@ -67,7 +67,7 @@ class Forecast:
 
     def _told_of(self, problem: Problem, name: str, solvers: Mapping[str, Solver]) -> list[_Told]:
         test = name or next(iter(solvers))
-        targets = [t for t in problem.targets if problem.scope_of(t.name).name == name]
+        targets = problem.targets_of(test)
         try:
             reading = Reading(solvers[test], problem.middle)
             surrogate = self._atlas.of_test(reading.test.type)
@@ -76,11 +76,10 @@ class Forecast:
                 raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
             reading.require_inside(problem.middle)
         except NotInAtlasError as error:
-            self.untold |= {target.name: str(error) for target in targets}
+            self.untold |= {target.name: str(error) for target in targets.values()}
             return []
         found = []
-        for target in targets:
-            response = target.name.removeprefix(f"{test}.")
+        for response, target in targets.items():
             if (model := surrogate.models.get(response)) is None:
                 self.untold[target.name] = messages.NO_RESPONSE()
             else:

@@ -77,7 +77,7 @@ def first_twins(
     ratios = {
         target.name: _first_ratio(_test_of(solvers[name]), _test_of(twin), short, target)
         for name, twin in twins.items()
-        for short, target in targets_of(name, problem)
+        for short, target in problem.targets_of(name).items()
     }
     tests = tuple(
         RealTest(
@@ -121,13 +121,6 @@ def series_seconds(
     )
 
 
-def targets_of(test: str, problem: Problem) -> Iterator[tuple[str, Target]]:
-    """Yield the targets of a test, with the names of the responses in it."""
-    for target in problem.targets:
-        if not problem.tests or problem.scope_of(target.name).name == test:
-            yield target.name.removeprefix(f"{test}."), target
-
-
 def has_twin(test: BulkTest | None, particles: int | None) -> bool:
     """Return whether a test holds more than a number of particles, where one is given."""
     return test is not None and particles is not None and test.number_of_particles > particles
@@ -144,7 +137,7 @@ def _twin(solver: Solver, particles: int) -> BulkTest | None:
 
 def _incomparable(name: str, solver: Solver, problem: Problem) -> Iterator[Fault]:
     test = _test_of(solver)
-    for short, target in targets_of(name, problem):
+    for short, target in problem.targets_of(name).items():
         if size_power(test, short) is None:
             why = messages.NOT_COMPARED(response=target.name)
             yield messages.NO_TWIN.fault(_KEY, test=name, why=why)

@@ -295,6 +295,17 @@ class Problem:
         found = [scope for scope in self.scopes if target in scope.targets]
         return found[0] if found else replace(self, tests=()).scopes[0]
 
+    def targets_of(self, test: str) -> dict[str, Target]:
+        """Return the targets of a test by name of the response in it; all where no test is named.
+
+        Parameters
+        ----------
+        test : str
+            Name of the test.
+        """
+        own = [t for t in self.targets if not self.tests or self.scope_of(t.name).name == test]
+        return {target.name.removeprefix(f"{test}."): target for target in own}
+
     def widened_to(self, points: Sequence[Mapping[str, float]]) -> Problem:
         """Return the problem with its intervals widened to some parameter sets."""
         parameters = [p.widened_to([values[p.name] for values in points]) for p in self.parameters]
