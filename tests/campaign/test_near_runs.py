@@ -121,14 +121,14 @@ def test_runs_of_several_near_problems_are_counted_and_a_few_are_none() -> None:
 
 
 def test_of_many_near_runs_some_are_spread_and_some_near_the_answer() -> None:
-    near = found_in(*records(heap({RESTITUTION: 0.8}), count=100))
+    near = found_in(*records(heap({RESTITUTION: 0.8}), count=70))
     frictions = np.sort([one.proposal.parameters[SLIDING] for one in near.evaluations])
 
     assert len(frictions) == MOST_NEAR
     assert frictions[0] < 0.2
     assert frictions[-1] > 0.8
-    # The target of 25 degrees is met at 0.556: all of the 25 or so that are that near are taken.
-    assert (abs(frictions - 0.556) < 0.09).sum() >= 24
+    # The target of 25 degrees is met at 0.556: all of the 17 that are that near are taken.
+    assert (abs(frictions - 0.556) < 0.09).sum() >= 17
 
 
 def test_near_runs_of_another_size_are_brought_to_the_size_of_the_problem() -> None:
@@ -168,9 +168,28 @@ def calibrated(emulated: Any, kind: str, folder: Path, **given: Any) -> gf.Resul
     return result
 
 
-def test_near_runs_are_said_replayed_and_switched_off(emulated: Any, tmp_path: Path) -> None:
-    folder = tmp_path / "good"
-    result = calibrated(emulated, "good", folder)
+@pytest.fixture(scope="module")
+def without(emulated: Any, tmp_path_factory: pytest.TempPathFactory) -> gf.Result:
+    """The same calibration in an empty work folder."""
+    return calibrated(emulated, "none", tmp_path_factory.mktemp("near") / "none")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The work folder of a calibration that good near runs guide."""
+    return tmp_path_factory.mktemp("near") / "good"
+
+
+@pytest.fixture(scope="module")
+def result(emulated: Any, folder: Path) -> gf.Result:
+    """Its result."""
+    return calibrated(emulated, "good", folder)
+
+
+def test_near_runs_are_said_replayed_and_switched_off(
+    emulated: Any, folder: Path, result: gf.Result, without: gf.Result
+) -> None:
+    assert result.runs.design < without.runs.design
     [notice] = [one for one in result.notices if messages.NEAR_RUNS.is_in(one)]
     assert "2 near problems" in notice
     saved = SavedCalibration.open(folder)
@@ -185,17 +204,22 @@ def test_near_runs_are_said_replayed_and_switched_off(emulated: Any, tmp_path: P
     assert again.runs.reused == again.runs.total == result.runs.total
     assert notice in again.notices
 
-    without = calibrated(emulated, "good", folder, near_runs=False)
-    assert without.identity != result.identity
-    assert not any(map(messages.NEAR_RUNS.is_in, without.notices))
+    off = calibrated(emulated, "good", folder, near_runs=False)
+    assert off.identity != result.identity
+    assert off.runs.design == without.runs.design
+    assert not any(map(messages.NEAR_RUNS.is_in, off.notices))
 
 
-def test_wrong_near_runs_cost_two_runs_at_most_and_no_truth(emulated: Any, tmp_path: Path) -> None:
-    none = calibrated(emulated, "none", tmp_path / "none")
+def test_wrong_near_runs_cost_two_runs_at_most_and_no_truth(
+    emulated: Any, tmp_path: Path, result: gf.Result, without: gf.Result
+) -> None:
     wrong = calibrated(emulated, "wrong", tmp_path / "wrong")
 
     assert any(map(messages.NEAR_RUNS.is_in, wrong.notices))
-    assert wrong.runs.total <= none.runs.total + 2
+    assert wrong.runs.total <= without.runs.total + 2
+    # What the near runs gave decided where own runs were made.
+    guided = [[one.parameters for one in found.history] for found in (result, wrong)]
+    assert guided[0] != guided[1]
 
 
 @pytest.mark.slow

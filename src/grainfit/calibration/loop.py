@@ -125,11 +125,13 @@ class CalibrationLoop:
             records = list(self._store.find_many(earlier.known).values())
         campaign = self._campaign
         self._near = self._near_runs(None if earlier is None else records)
-        known = runs_of(self._problem, campaign.solvers, records, campaign.repeats)
+        known = [runs_of(self._problem, campaign.solvers, records, campaign.repeats)]
         for name, solver in campaign.relatives.items():
             single = replace(self._problem, tests=())
-            known += runs_of(single, {name: solver}, records, campaign.repeats)
-        chosen = nearest_runs(self._problem, known, seed=self._strategy.seed)
+            known.append(runs_of(single, {name: solver}, records, campaign.repeats))
+        # Many runs of a relative displace none of the test.
+        seed = self._strategy.seed
+        chosen = [one for own in known for one in nearest_runs(self._problem, own, seed=seed)]
         used = {run for evaluation in chosen for run in evaluation.runs.values()}
         self._origins = Counter(record.origin for record in records if record.identity in used)
         return chosen
