@@ -23,6 +23,8 @@ class Provenance:
         SI units of the parameters that have one.
     laboratory : mapping of str to mapping
         Definitions of the tests of which a smaller apparatus is simulated, by name.
+    pictures : mapping of str to mapping of str to str
+        Hashes of the photographs that the targets were measured on, by response and file.
     """
 
     file: str = ""
@@ -30,6 +32,7 @@ class Provenance:
     fixed: Mapping[str, float] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Provenance:
@@ -40,4 +43,5 @@ class Provenance:
             fixed={str(name): float(value) for name, value in data.get("fixed", {}).items()},
             units={str(name): str(unit) for name, unit in data.get("units", {}).items()},
             laboratory=dict(data.get("laboratory", {})),
+            pictures=data.get("pictures", {}),
         )

@@ -22,6 +22,7 @@ from grainfit.calibration_file.checks.registry import findings
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.load import load_calibration_file
+from grainfit.calibration_file.photos import hashes_of, keep_pictures
 from grainfit.calibration_file.relatives import relative_solvers, relatives_of
 from grainfit.calibration_file.settings import quantity_of, set_values
 from grainfit.calibration_file.twins import twin_solvers
@@ -136,7 +137,8 @@ class CalibrationSetup:
         fixed = self.file.fixed
         laboratory = {name: self.solvers[name].model()["test"] for name in self.twins}
         units = material_units(fixed)
-        return Provenance(self.file.path.name, text, fixed, units, laboratory)
+        pictures = hashes_of(self.file.photographed)
+        return Provenance(self.file.path.name, text, fixed, units, laboratory, pictures)
 
     @property
     def missing_for_time_step(self) -> tuple[str, ...]:
@@ -249,6 +251,8 @@ class CalibrationSetup:
         options = self.options(named, **given)
         if isinstance(strategy, Strategy):
             options["strategy"] = strategy
+        if self.file.photographs:
+            keep_pictures(self.file.photographed, folder)
         with ExitStack() as stack:
             if self.cluster is not None:
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
@@ -357,13 +361,15 @@ class CalibrationSetup:
         return quantity_of(self.file, name)
 
 
-def load_calibration(path: str | Path) -> CalibrationSetup:
+def load_calibration(path: str | Path, work_folder: str | Path | None = None) -> CalibrationSetup:
     """Read a calibration file and make it ready to run; nothing is executed.
 
     Parameters
     ----------
     path : path
         The calibration file.
+    work_folder : path, optional
+        Where what is measured on photographs is kept; the default work folder if not given.
 
     Raises
     ------
@@ -377,7 +383,8 @@ def load_calibration(path: str | Path) -> CalibrationSetup:
     >>> setup.problem.intervals  # doctest: +SKIP
     {'particle.density': (1400.0, 2800.0)}
     """
-    return build_calibration(load_calibration_file(Path(path)))
+    kept = None if work_folder is None else Path(work_folder)
+    return build_calibration(load_calibration_file(Path(path), work_folder=kept))
 
 
 def build_calibration(file: CalibrationFile) -> CalibrationSetup:

@@ -11,7 +11,9 @@ from typing import Any, ClassVar
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.instrument import Instrument
 from grainfit.calibration.options import CalibrationOptions
+from grainfit.calibration_file.photographed import PhotographedTarget
 from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.evaluation import response_name
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import CurveTarget, Parameter, Target
 from grainfit.problem.correlations import Correlation
@@ -152,6 +154,8 @@ class CalibrationFile:
         How the tables that the file names were understood, one line each.
     holdouts : tuple of TestSpecification
         Tests that take no part in the fit; their targets may be missing.
+    photographs : tuple of PhotographedTarget
+        What was measured on the photographs of each target.
     """
 
     name: str
@@ -166,6 +170,18 @@ class CalibrationFile:
     notes: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
     holdouts: tuple[TestSpecification, ...] = ()
+    photographs: tuple[PhotographedTarget, ...] = ()
+
+    @property
+    def photographed(self) -> list[tuple[str, PhotographedTarget]]:
+        """What was measured on photographs, by the name of the response in the problem."""
+        names = {test.number: test.name for test in self.tests}
+        several = len(self.tests)
+        return [
+            (response_name(names.get(one.test, ""), one.response, several), one)
+            for one in self.photographs
+            if one.key.startswith("test[")
+        ]
 
     @property
     def ranks(self) -> int:

@@ -32,7 +32,10 @@ _NOT_TOML = "It must be a TOML file; docs/calibration_file.md shows one."
 
 
 def load_calibration_file(
-    path: str | os.PathLike[str], *, planned: bool = False
+    path: str | os.PathLike[str],
+    *,
+    planned: bool = False,
+    work_folder: Path | None = None,
 ) -> CalibrationFile:
     """Read a calibration file.
 
@@ -42,6 +45,9 @@ def load_calibration_file(
         The TOML file.
     planned : bool
         Read a file from before the laboratory, in which measured values may be missing.
+    work_folder : Path, optional
+        Where what is measured on photographs is kept; the default work folder of the file if not
+        given.
 
     Returns
     -------
@@ -56,12 +62,19 @@ def load_calibration_file(
     path = Path(path)
     text = _read_text(path)
     document = _parse(text, path)
-    findings = Findings(path.parent.absolute(), key_lines(text))
+
+    def kept_in() -> Path:
+        # Imported here: most files name no photographs.
+        from grainfit.campaign.work_folder import default_workdir
+
+        return work_folder or default_workdir(path)
+
+    findings = Findings(path.parent.absolute(), key_lines(text), work_folder=kept_in)
     values = read_document(document, Place(findings), planned=planned)
     if findings.faults:
         findings.faults.sort(key=lambda fault: fault.line or 0)
         raise InputError(findings.faults, str(path))
-    return _calibration_file(values, path, tuple(findings.tables))
+    return _calibration_file(values, path, findings)
 
 
 def _read_text(path: Path) -> str:
@@ -103,9 +116,7 @@ def _fault(path: Path, message: str, remedy: str, line: int | None = None) -> In
     return InputError(FileFault("", message, remedy, line), str(path))
 
 
-def _calibration_file(
-    values: dict[str, Any], path: Path, tables: tuple[str, ...]
-) -> CalibrationFile:
+def _calibration_file(values: dict[str, Any], path: Path, findings: Findings) -> CalibrationFile:
     material = material_values(values)
     angles = tuple(v for v in material.values() if isinstance(v, MeasuredAngle))
     material |= {angle.name: angle.value for angle in angles}
@@ -121,6 +132,7 @@ def _calibration_file(
         cluster=values.get("cluster"),
         contact_models=chosen_models(values),
         notes=tuple(str(angle) for angle in angles),
-        tables=tables,
         holdouts=tuple(values.get("holdout", ())),
+        tables=tuple(findings.tables),
+        photographs=tuple(findings.photographs),
     )

@@ -28,6 +28,56 @@ NO_SUCH_RELATIVE = Message(
 
 WITHOUT_ATLAS = Message("The search goes on without the atlas: {why}")
 
+# Photographs.
+PHOTOGRAPHS = Message("Photographs, {response}: {result}; pictures: {count}, heaps: {heaps}.")
+PHOTOGRAPHED_CURVE = Message(
+    "{count} points up to {reach:.3g} mm from the axis, ± {error:.2g} mm in the mean"
+)
+PICTURE_MEASURED = Message(
+    "{file}: heap {heap}, {angle:.2f} ± {error:.2f} deg (flanks {flanks}; camera {elevation:.1f} ± "
+    "{elevation_error:.1f} deg above, {seen_by})"
+)
+PICTURE_REFUSED = Message("{file}: not measured: {reason}")
+OVERLAYS = Message("Look at the overlays in {folder}.")
+NO_SUCH_PICTURE = Message("is {given}, and there is no such picture.", "{where}")
+MOVED_TO = Message("It is {path} now: name it so, or move it back.")
+NAME_PICTURES = Message(
+    "Relative paths start at {folder}; pictures are JPEG, HEIC, PNG, BMP or TIFF."
+)
+SAME_PICTURE = Message(
+    "has {file}, which is the same picture as {other}.",
+    "A picture counts once: leave one of them out.",
+)
+NO_KNOWN_LENGTH = Message(
+    "is of use with a known length only.",
+    "Give the diameter of the plate, or show the marker sheet: marker = true.",
+)
+NO_PICTURE_MEASURED = Message("cannot be measured: {reasons}")
+NOT_KEPT = Message(
+    "cannot be measured, because what is found is kept in {folder}, and nothing can be written "
+    "there ({reason}).",
+    "Start the command in a folder of yours.",
+)
+PICTURE_GONE = Message(
+    "{file} is not there any more; the calibration was begun with it.",
+    "Put it back; without it, the target is another one, and so is the calibration.",
+)
+PICTURE_MOVED = Message(
+    "{file} of the calibration is {path} now.", "Its name is none of those that photos gives."
+)
+PICTURE_CHANGED = Message(
+    "{file} is not the picture with which the calibration was begun.",
+    "The target is measured on the new one, and the calibration is another one.",
+)
+PICTURE_NEW = Message(
+    "{file} is new since the calibration was begun.",
+    "The target is measured with it, and the calibration is another one.",
+)
+EARLIER_CODE = Message(
+    "measured by an earlier version of grainfit, and kept, because the calibration rests on it.",
+    "To measure again, remove {folder}.",
+)
+
 # Twins.
 TWINS_AND_RELATIVES = Message(
     "is given beside {keys}: the real apparatus is not simulated in the search, so that relatives "

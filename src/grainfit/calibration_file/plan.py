@@ -123,6 +123,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     lines += chosen_model_lines(setup.file)
     lines += setup.file.notes
     lines += [f"Table {line}." for line in setup.file.tables]
+    lines += chain(*(one.lines() for one in setup.file.photographs))
     lines += size_lines(setup.file.sizes, setup.bulk_tests, _middle(setup))
     lines += cohesion_lines(setup.file, setup.bulk_tests)
     lines += _rayleigh_lines(setup)

@@ -87,7 +87,7 @@ class TargetTable(Kind):
         if value is None or None in values.values() or _note_relative_to_zero(values, value, place):
             return None
         options: dict[str, Any] = {
-            key: _absolute(values[key], value) for key in _WIDTHS if key in values
+            key: absolute(values[key], value) for key in _WIDTHS if key in values
         }
         options |= {key: values[key] for key in ("weight", "statistic") if key in values}
         unit = values.get("unit", "") if self.quantity is None else self.quantity.unit or ""
@@ -197,7 +197,8 @@ def _measured(values: Values, place: Place) -> float | None:
     return None if given or measurements is None else statistics.fmean(measurements)
 
 
-def _absolute(deviation: tuple[float, bool] | None, value: float) -> float | None:
+def absolute(deviation: tuple[float, bool] | None, value: float) -> float | None:
+    """Return a deviation in the unit of a value, of which it may be a share."""
     if deviation is None:
         return None
     number, is_share = deviation

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import BUILT_IN
-from grainfit.bulk_tests.response_info import CurveInfo
+from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
 from grainfit.calibration_file.curves import (
@@ -23,6 +23,7 @@ from grainfit.calibration_file.curves import (
     RefusedCurve,
 )
 from grainfit.calibration_file.instruments import apparatus_key, with_instrument
+from grainfit.calibration_file.photos import PHOTOGRAPHED, OrPhotos
 from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.formatting import in_a_row
 from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong_kind
@@ -88,14 +89,24 @@ def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
         allowed = kind.has_curves and use == "fit"
         curve: CurveTable | RefusedCurve = CurveTable() if allowed else refused
         return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
+    photographed = PHOTOGRAPHED.get(kind.name, ())
+
+    def of_number(name: str, info: ResponseInfo) -> Kind:
+        number = table(info.possible)
+        return OrPhotos(number) if name in photographed else number
+
+    def of_curve(name: str, info: CurveInfo) -> Kind:
+        curve = CurveTable(info.unit, info.coordinate_unit, info.coordinate)
+        return OrPhotos(curve) if name in photographed else curve
+
     keys = tuple(
-        Key(name, table(info.possible), f"{info.words}.", example=info.example)
+        Key(name, of_number(name, info), f"{info.words}.", example=info.example)
         for name, info in test.responses.items()
     )
     curves = tuple(
         Key(
             name,
-            _curve_table(info) if use == "fit" else refused,
+            of_curve(name, info) if use == "fit" else refused,
             f"{info.words}.",
             example=CURVE_EXAMPLE,
         )
@@ -104,10 +115,6 @@ def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
     homes = _homes(lambda other: [*other.responses, *other.curves])
     table_of_targets = Table(keys + curves, homes=homes, answers=test.enter_instead)
     return table_of_targets, f"{{ {keys[-1].name} = {keys[-1].example} }}"
-
-
-def _curve_table(info: CurveInfo) -> CurveTable:
-    return CurveTable(info.unit, info.coordinate_unit, info.coordinate)
 
 
 def _specification(kind: TestType, values: Values, place: Place) -> TestSpecification | None:

@@ -125,7 +125,7 @@ def heap_height(silhouettes: Sequence[Silhouette], diameter: float) -> Response:
     The standard error is 0.12 particle diameters: from seed to seed the height scatters by 0.11 and
     0.13 diameters on those heaps, and by 0.10 to 0.13 on synthetic cones of 22, 30 and 40 degrees.
     """
-    tops = [float(_averaged_outline(s, diameter).max(initial=0.0)) for s in silhouettes]
+    tops = [float(averaged_outline(s, diameter).max(initial=0.0)) for s in silhouettes]
     height = float(np.mean(tops)) if tops else 0.0
     if height <= 0:
         raise NotMeasurableError(messages.BLANK(quantity="heap height"))
@@ -169,15 +169,23 @@ def heap_profile(silhouettes: Sequence[Silhouette], diameter: float, plate_radiu
 
 def _sides(silhouette: Silhouette, distances: Array, diameter: float) -> tuple[Array, Array]:
     """Heights of the averaged outline at distances from the axis, left and right."""
-    outline, columns = _averaged_outline(silhouette, diameter), silhouette.columns
+    outline, columns = averaged_outline(silhouette, diameter), silhouette.columns
     left, right = (
         np.interp(side * distances, columns, outline, left=0.0, right=0.0) for side in (-1, 1)
     )
     return left, right
 
 
-def _averaged_outline(silhouette: Silhouette, diameter: float) -> Array:
-    """Moving mean of the outline; the plate is beyond its ends."""
+def averaged_outline(silhouette: Silhouette, diameter: float) -> Array:
+    """Return the moving mean of an outline over two particle diameters; 0 where there is no heap.
+
+    Parameters
+    ----------
+    silhouette : Silhouette
+        The heap from one side.
+    diameter : float
+        Median particle diameter, in the lengths of the silhouette.
+    """
     outline = np.nan_to_num(silhouette.outline(), nan=0.0)
     size = max(1, round(_AVERAGED * diameter / silhouette.pixel_size))
     size = min(size, len(outline))
@@ -191,7 +199,7 @@ def _all_feet(silhouettes: Sequence[Silhouette], ground: float, diameter: float)
 
 def _feet(silhouette: Silhouette, ground: float, diameter: float) -> tuple[float, ...]:
     """Distances from the axis at which the outline comes down to the ground, left and right."""
-    outline = _averaged_outline(silhouette, diameter)
+    outline = averaged_outline(silhouette, diameter)
     top = int(outline.argmax()) if len(outline) else 0
     if not len(outline) or outline[top] <= ground:
         return ()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 import reprlib
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from grainfit.errors import Fault, InputError
 
@@ -48,12 +49,18 @@ class Findings:
         The faults.
     tables : list of str
         How each table that it names was understood.
+    work_folder : callable
+        Returns the work folder, where what is measured while the file is read is kept.
+    photographs : list
+        What was measured on the photographs of each target.
     """
 
     folder: Path
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
     faults: list[FileFault] = field(default_factory=list)
     tables: list[str] = field(default_factory=list)
+    work_folder: Callable[[], Path] = Path
+    photographs: list[Any] = field(default_factory=list)
 
     def line_of(self, path: KeyPath) -> int | None:
         """Line of a key, or of the nearest table around it that has one."""

@@ -89,11 +89,15 @@ class HeapInPicture:
     ground, diameter : float
         Where the flanks begin, and particle diameter, pixels.
     scale : float or None
-        Length of a pixel, m; None without a known length.
+        Length of a pixel of the silhouette, m; None without a known length.
+    height : float or None
+        Of the highest particle above the plate, m; None without a known length.
     outline : ndarray of shape (n, 2)
         Of the heap, columns and rows in the picture.
     drawn : tuple of ndarray
         Left and right flank, and the foot, columns and rows in the picture.
+    back : callable
+        Returns columns and rows in the picture of places of the silhouette, shape (n, 2).
     """
 
     picture: Picture
@@ -109,8 +113,15 @@ class HeapInPicture:
     ground: float
     diameter: float
     scale: float | None
+    height: float | None
     outline: Array
     drawn: tuple[Array, Array, Array]
+    back: Callable[[Array], Array]
+
+    @property
+    def flanks(self) -> tuple[float, ...]:
+        """Inclinations of the flanks that were measured, degrees."""
+        return tuple(flank.angle for flank in (self.view.left, self.view.right) if flank)
 
     @property
     def uncertainty(self) -> float:
@@ -159,7 +170,8 @@ def measure_heap(
     usual = USUAL_FOCAL * max(picture.colours.shape[:2])
     focal = picture.focal or usual
     foot, error, plate = _seen_from(picture, mask, focal, elevation)
-    scale = _scale(plate, plate_diameter, foot, focal, mask)
+    lengths = _lengths(plate, plate_diameter, foot, focal, mask)
+    scale = lengths[0] if lengths else None
     particle = diameter / scale if diameter and scale else None
     found = _angle(mask, focal, foot, particle)
     _require_flanks(found.angle, found.elevation, error)
@@ -173,10 +185,10 @@ def measure_heap(
     if particle is None:
         parts["particle size"] = abs(other(size=1 + _ESTIMATED) - found.angle)
     if picture.focal is None:
-        lengths = [limit * max(picture.colours.shape[:2]) for limit in FOCAL_RANGE]
+        focals = [limit * max(picture.colours.shape[:2]) for limit in FOCAL_RANGE]
         angles = [
             other(focal=length, foot=_seen_from(picture, mask, length, elevation)[0])
-            for length in lengths
+            for length in focals
         ]
         # Any focal length within the range is as likely as another.
         parts["focal length"] = (max(angles) - min(angles)) / math.sqrt(12)
@@ -195,8 +207,10 @@ def measure_heap(
         found.ground,
         found.diameter,
         scale,
+        lengths[1] if lengths else None,
         _contour(mask),
         _drawn(found),
+        found.back,
     )
 
 
@@ -230,23 +244,40 @@ def _seen_from(
     return better, error, plate
 
 
-def _scale(
+def _lengths(
     plate: Plate | MarkerSheet | None,
     plate_diameter: float | None,
     foot: Foot,
     focal: float,
     mask: Mask,
-) -> float | None:
-    """Return the length of a pixel at the heap, m; None without a known length."""
-    if isinstance(plate, MarkerSheet):
-        rows, columns = mask.shape
-        towards = ray(focal, ((columns - 1) / 2, (rows - 1) / 2), foot.middle)
-        return plate.pixel_length(towards, focal)
-    if plate_diameter is None:
-        return None
-    if plate is None:
+) -> tuple[float, float] | None:
+    """Return the length of a pixel at the apex and its height above the plate, m, if known.
+
+    The camera is so high above the plane of the plate, and so far from the axis, which is taken to
+    be over the middle of a plate, or of the foot on a sheet.
+    """
+    if plate is None and plate_diameter is not None:
         raise NotMeasurableError(messages.NO_PLATE())
-    return plate_diameter / 2 / plate.half_width
+    if plate is None or not (isinstance(plate, MarkerSheet) or plate_diameter):
+        return None
+    rows, columns = mask.shape
+    middle = ((columns - 1) / 2, (rows - 1) / 2)
+    camera = Camera(focal, middle, plate.up)
+    apex = _apex(mask, camera)
+    above = math.radians(camera.elevation(apex))
+    if isinstance(plate, MarkerSheet):
+        elevation, up = math.radians(camera.elevation(foot.middle)), plate.height
+        # The circle of the foot is that of the middles of its particles.
+        particle = _particle(mask) * up / math.sin(elevation) / focal
+        along = (up - particle / 2) / math.tan(elevation)
+    else:
+        # The edge of a circle is widest before its middle, where it is nearer.
+        width = plate.half_width / focal * float(camera.ray(foot.middle)[2])
+        elevation = math.radians(plate.elevation)
+        distance = (plate_diameter or 0.0) / 2 * math.hypot(1 / width, math.cos(elevation))
+        along, up = distance * math.cos(elevation), distance * math.sin(elevation)
+    pixel = along / math.cos(above) * float(camera.ray(apex)[2]) / focal
+    return pixel, up - along * math.tan(above)
 
 
 def _require_agreement(foot: float, elevation: float, error: float, other: str) -> None:

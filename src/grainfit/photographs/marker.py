@@ -51,19 +51,6 @@ class MarkerSheet:
     edge: Array
     height: float
 
-    def pixel_length(self, towards: Array, focal: float) -> float:
-        """Return the length of a pixel where a ray meets the sheet's plane, m.
-
-        Parameters
-        ----------
-        towards : ndarray of shape (3,)
-            Unit vector of the ray.
-        focal : float
-            Focal length, pixels.
-        """
-        distance = self.height / float(-self.up @ towards)
-        return distance * float(towards[2]) / focal
-
 
 def find_marker_sheet(
     colours: NDArray[np.uint8], focal: float, middle: tuple[float, float]

@@ -74,6 +74,21 @@ NO_PLATE = Message(
     "angle does not need it.",
 )
 
+NO_MARKER = Message(
+    "two or more markers of the sheet are not seen.",
+    "Show the sheet whole and in focus, or leave out marker = true.",
+)
+
+NO_SCALE = Message(
+    "its lengths are not known, and an outline has lengths.",
+    "Show the marker sheet, or give the diameter of the plate.",
+)
+SHORT_OUTLINE = Message(
+    "the outline has room for {count} points two particle diameters apart, and {needed} are "
+    "needed.",
+    "Use a larger heap.",
+)
+
 # All pictures.
 NO_PICTURES = Message(
     "there is no picture in {folder}.", "Pictures are JPEG, HEIC, PNG, BMP, TIFF."

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -158,7 +158,7 @@ def photo(
         raise NotMeasurableError(
             messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
         )
-    response, parts = _mean(heaps)
+    response, parts = mean_of_heaps(heaps)
     return PhotographedHeaps(response, tuple(heaps), parts, refused)
 
 
@@ -193,12 +193,36 @@ def _groups(pictures: PathLike | Sequence[PathLike | Sequence[PathLike]]) -> lis
     return groups
 
 
-def _mean(heaps: Sequence[tuple[HeapInPicture, ...]]) -> tuple[Response, dict[str, float]]:
-    """Mean of heaps, and its standard uncertainty: of flanks, of heaps, and of the pictures."""
+class MeasuredPicture(Protocol):
+    """The heap in one picture, as far as the mean of several needs it."""
+
+    @property
+    def angle(self) -> float:
+        """Mean inclination of its flanks, degrees."""
+
+    @property
+    def flanks(self) -> tuple[float, ...]:
+        """Inclinations of its flanks, degrees."""
+
+    @property
+    def parts(self) -> Mapping[str, float]:
+        """Standard uncertainties by their source, degrees."""
+
+
+def mean_of_heaps(
+    heaps: Sequence[Sequence[MeasuredPicture]],
+) -> tuple[Response, dict[str, float]]:
+    """Return the mean of heaps, and its standard uncertainties: flanks, heaps and pictures.
+
+    Parameters
+    ----------
+    heaps : sequence of sequence of MeasuredPicture
+        Pictures of each heap.
+    """
     means = [float(np.mean([found.angle for found in heap])) for heap in heaps]
     square, count = _COUNTS_AS * _FLANKS**2, float(_COUNTS_AS)
     for heap in heaps:
-        flanks = [f.angle for found in heap for f in (found.view.left, found.view.right) if f]
+        flanks = [angle for found in heap for angle in found.flanks]
         square += float(np.sum((np.array(flanks) - np.mean(flanks)) ** 2))
         count += len(flanks) - 1
     flank = math.sqrt(square / count)

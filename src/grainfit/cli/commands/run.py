@@ -110,7 +110,7 @@ def run(
     }
     with ExitStack() as stack:
         ending = stack.enter_context(notifying(notify, folder))
-        setup = _setup(file, local)
+        setup = _setup(file, folder, local)
         if watched or open_page or port:
             stack.enter_context(watching(folder, port, open_page))
         if not no_report:
@@ -121,11 +121,14 @@ def run(
     raise typer.Exit(OF_STATUS[ending.result.status])
 
 
-def _setup(file: Path, local: bool) -> CalibrationSetup:
+def _setup(file: Path, folder: Path, local: bool) -> CalibrationSetup:
     from grainfit.calibration_file.build import load_calibration
     from grainfit.campaign.cluster.executor import missing_scheduler
 
-    setup = replace(load_calibration(file), local=local)
+    setup = replace(load_calibration(file, folder), local=local)
+    for target in setup.file.photographs:
+        for line in (*target.lines(), *(f"{target.key}: {text}" for text in target.changes)):
+            err_remarks.print(line, markup=False, highlight=False)
     if setup.file.cluster is not None and setup.cluster is None and not local:
         err.print(f"Cluster: {missing_scheduler(setup.file.cluster)}")
     return setup
