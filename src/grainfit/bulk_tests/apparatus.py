@@ -109,6 +109,11 @@ def apparatus_lines(test: str, values: Collection[ApparatusValue]) -> Iterator[s
             yield _LINES[origin](test=test, values=listed, instrument=instrument)
 
 
+def as_smaller(test: str) -> str:
+    """Return the name of a test for the smaller apparatus that is simulated in its search."""
+    return messages.SMALLER(test=test)
+
+
 @dataclass(frozen=True)
 class _Apparatus:
     test: BulkTest

@@ -6,10 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 
 from grainfit.analysis.soft_particles import of_hertz, stiffness_notes
-from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of
+from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of, as_smaller
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
-from grainfit.bulk_tests.messages import SMALLER
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.cards import messages
 from grainfit.contact_models.registry import contact_law, in_order, material_parameter
@@ -164,7 +163,7 @@ def _apparatus(
         yield from apparatus_lines(shown, apparatus_of(test, None, values, walls[name]))
         if name in twins:
             smaller = apparatus_of(twins[name], None, values, walls[name])
-            yield from apparatus_lines(SMALLER(test=shown), smaller)
+            yield from apparatus_lines(as_smaller(shown), smaller)
 
 
 def _contact_models(

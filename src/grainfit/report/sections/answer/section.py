@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from grainfit.analysis.soft_particles import of_hertz, stiffness_notes
+from grainfit.bulk_tests.apparatus import as_smaller
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.messages import SMALLER
 from grainfit.formatting import (
     duration,
     number,
@@ -62,7 +62,7 @@ def answer(context: ReportContext) -> Section:
 def _with_twins(context: ReportContext, tests: Mapping[str, BulkTest]) -> dict[str, BulkTest]:
     """Return the tests, and the smaller ones that were simulated for them."""
     twins = twins_of(context.reading)
-    return {**tests, **{SMALLER(test=name): twin for name, twin in twins.items()}}
+    return {**tests, **{as_smaller(name): twin for name, twin in twins.items()}}
 
 
 def _parameter_row(context: ReportContext, parameter: Parameter) -> ParameterRow:
