@@ -54,6 +54,7 @@ def answer(context: ReportContext) -> Section:
         cost=_cost(context),
         notices=list(_notices(context, tests)),
         tests=simulated_tests(_with_twins(context, tests)),
+        has_twins=bool(context.reading.laboratory),
         **next_step(context),
     )
     return Section("answer", "Answer", html)
