@@ -334,8 +334,11 @@ def test_a_run_killed_at_random_moments_continues_by_itself_to_the_same_response
 def test_a_run_of_another_program_is_killed_and_continues(
     program: type[DeckSolver], tmp_path: Path
 ) -> None:
-    options = {"cylinder_radius": 0.03, "fill_height": 0.05}
-    solver = program(bulk_tests()["packing"](diameter="10 mm", **options), UNDAMPED)
+    # A bed of LIGGGHTS would have ended before it is killed, a heap of YADE takes long.
+    kind, options = "heap", SMALL_HEAP
+    if program is Yade:
+        kind, options = "packing", {"cylinder_radius": 0.03, "fill_height": 0.05}
+    solver = program(bulk_tests()[kind](diameter="10 mm", **options), UNDAMPED)
     assert_of_one_scatter(solver, *killed(tmp_path, solver, UNDAMPED, options, 1))
 
 
