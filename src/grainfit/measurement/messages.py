@@ -47,6 +47,7 @@ FEW_AVALANCHES = Message(
     "there are {found} whole avalanches in the averaged turns, and {needed} are needed for a "
     "standard error; use larger averaged_turns"
 )
+SHORT_SURFACE = Message("surface: it is too short to be fitted; use a larger drum")
 LARGE_GRID = Message(
     "{quantity}: it would take a grid of {cells} cells, and at most {most} are possible. Some "
     "particles are too large, too small or too far away for the others: the simulation went "

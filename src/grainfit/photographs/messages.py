@@ -102,5 +102,78 @@ REFUSED = Message("{path}: {reason}")
 ONE_HEAP = Message(
     "This is one heap: fill three or four from the same sample for how heaps differ."
 )
-OTHER_TEST = Message("is {test!r}.", "Heaps of these tests are measured: heap, funnel.")
+OTHER_TEST = Message("is {test!r}.", "These tests are photographed: heap, funnel, drum.")
 IMPOSSIBLE = Message("is {given!r}, and must be above zero.")
+
+# Drums.
+NO_DRUM = Message(
+    "no drum is found: there is no circle that stands out on most of its circumference.",
+    "Photograph the drum along its axis, wholly, with a rim that differs from what is in it.",
+)
+DRUM_CUT_OFF = Message(
+    "the drum is cut off by the edge of the picture.", "Photograph the whole drum."
+)
+SMALL_DRUM = Message(
+    "the drum is {width:.0f} pixels wide, and {needed:.0f} are needed.", "Go nearer, or zoom in."
+)
+OBLIQUE = Message(
+    "the drum is seen {angle:.0f} degrees beside its axis, and {most:g} are allowed.",
+    "Put the camera before the middle of the drum.",
+)
+NO_SURFACE = Message(
+    "no free surface is found in the drum: nothing in it differs from the rest along a line.",
+    "Put something plain and of another brightness behind the drum, and avoid reflections.",
+)
+SURFACE_WITHOUT_CONTRAST = Message(
+    "the bed does not stand out from the empty drum: the logarithms of the frequencies of their "
+    "colours are {found:.1f} apart at the surface, and {needed:g} are needed.",
+    "Put something plain and of another brightness behind the drum, and avoid reflections.",
+)
+UNSURE_SURFACE = Message(
+    "the surface is not sure: the bed is inclined by {low:.1f} or {high:.1f} degrees, depending on "
+    "which colours are taken as those of the bed.",
+    "Use an even light, avoid reflections, and put something plain behind the drum.",
+)
+DIRTY_DRUM = Message(
+    "{share:.0f} % of what is above the surface looks like the bed, and {most:g} % are allowed: "
+    "particles stick to the glass or are thrown, or the drum is lit badly.",
+    "Clean the glass, earth the drum, or turn it more slowly.",
+)
+CAMERA_MOVES = Message(
+    "the camera moves: from the first to the last frame the drum is elsewhere.",
+    "Put the camera on a stand.",
+)
+NO_VIDEO = Message(
+    "{path}: is not a video that can be read.", "MP4, MOV, AVI, MKV and WebM can be read."
+)
+FEW_FRAMES = Message(
+    "there are {found} frames, and {needed} are needed.", "Film some avalanches, or several turns."
+)
+FEW_STILLS = Message(
+    "there are {found} pictures of the turning drum that can be measured, and {needed} are needed "
+    "for a mean.",
+    "Take more, some seconds apart, or a video.",
+)
+SHORT_VIDEO = Message(
+    "in {seconds:.1f} s there are too few whole avalanches for a standard error.",
+    "Film more turns of the drum.",
+)
+STILL_DRUM = Message("nothing moves in the drum.", "Film it while it turns.")
+UNSTEADY = Message(
+    "the bed is not steady: its inclination changes by {change:.1f} degrees from the first to the "
+    "second half.",
+    "Let the drum turn some times before you film.",
+)
+TURNS_OVER = Message(
+    "the bed is inclined by {angle:.0f} degrees: this is no bed that flows down its surface."
+)
+NO_MARK = Message(
+    "No mark is seen on the rim, so the rotational speed is not known: count it, or put a piece of "
+    "tape on the rim.",
+)
+LEVEL = Message(
+    "It is taken that the camera is level within {error:g} degrees (--level). The marker sheet, or "
+    "a second video of the drum that turns the other way, would tell it."
+)
+DRUM_ONLY = Message("is of use for a drum only.", "Add --test drum, or leave it out.")
+NOT_OF_DRUM = Message("is of no use for a drum.", "Leave it out.")

@@ -11,7 +11,7 @@ from grainfit.measurement.sheet import FLANK, font
 from grainfit.photographs.heap import Array, HeapInPicture
 from grainfit.photographs.pictures import Picture
 
-_OUTLINE, _PLATE, _PAPER = "#56b4e9", "#f0e442", "#1f2933"
+OUTLINE, PLATE, _PAPER = "#56b4e9", "#f0e442", "#1f2933"
 #: Lengths of a scale bar, m.
 _BARS = [factor * 10.0**power for power in range(-4, 1) for factor in (1, 2, 5)]
 
@@ -33,7 +33,13 @@ def draw_overlay(folder: Path, picture: Picture, found: HeapInPicture | str) -> 
             f"({found.seen_by})"
         )
         ending = "measured"
-    lines = _wrapped(draw, text, image.width - size, size)
+    return write_page(image, text, folder / f"{picture.path.stem}_{ending}.png")
+
+
+def write_page(image: Image.Image, text: str, path: Path) -> Path:
+    """Write a PNG of a picture with a text below it; return its path."""
+    size = max(14, image.width // 45)
+    lines = _wrapped(ImageDraw.Draw(image), text, image.width - size, size)
     page = Image.new("RGB", (image.width, image.height + round(1.3 * size * len(lines)) + size))
     page.paste(_PAPER, (0, 0, *page.size))
     page.paste(image, (0, 0))
@@ -41,22 +47,21 @@ def draw_overlay(folder: Path, picture: Picture, found: HeapInPicture | str) -> 
     for number, line in enumerate(lines):
         place = (size / 2, image.height + size / 2 + 1.3 * size * number)
         draw.text(place, line, fill="#ffffff", font=font(size))
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{picture.path.stem}_{ending}.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
     page.save(path)
     return path
 
 
 def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int, size: int) -> None:
-    _line(draw, found.outline, _OUTLINE, width, closed=True)
+    draw_line(draw, found.outline, OUTLINE, width, closed=True)
     left, right, ground = found.drawn
     if found.plate is not None:
-        _line(draw, found.plate.edge, _PLATE, width, closed=True)
-    _line(draw, ground, _PLATE, width)
+        draw_line(draw, found.plate.edge, PLATE, width, closed=True)
+    draw_line(draw, ground, PLATE, width)
     for flank, points, anchor in ((found.view.left, left, "rs"), (found.view.right, right, "ls")):
         if flank is None:
             continue
-        _line(draw, points, FLANK, 2 * width)
+        draw_line(draw, points, FLANK, 2 * width)
         aside = -size if anchor == "rs" else size
         place = (float(points[:, 0].mean()) + aside, float(points[:, 1].mean()) - size)
         draw.text(
@@ -73,7 +78,7 @@ def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int, size: int
         bar = max(length for length in _BARS if length <= max(shown, _BARS[0]))
         row = draw.im.size[1] - 1.5 * size
         points = np.array([[size, row], [size + bar / found.scale, row]])
-        _line(draw, points, "#ffffff", 3 * width)
+        draw_line(draw, points, "#ffffff", 3 * width)
         draw.text(
             (size, row - size / 3),
             f"{1000 * bar:g} mm",
@@ -85,9 +90,10 @@ def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int, size: int
         )
 
 
-def _line(
+def draw_line(
     draw: ImageDraw.ImageDraw, points: Array, colour: str, width: int, *, closed: bool = False
 ) -> None:
+    """Draw a line along points of a picture."""
     places = [(float(x), float(y)) for x, y in points]
     draw.line(places + places[:1] if closed else places, fill=colour, width=width)
 
@@ -101,3 +107,6 @@ def _wrapped(draw: ImageDraw.ImageDraw, text: str, width: float, size: int) -> l
         else:
             lines[-1] = longer
     return lines
+
+
+__all__ = ["OUTLINE", "PLATE", "draw_line", "draw_overlay", "write_page"]

@@ -6,17 +6,20 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Literal, Protocol, get_args, overload
 
 import numpy as np
 
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
+from grainfit.messages import Message
 from grainfit.one_line import one_line
 from grainfit.photographs import messages
+from grainfit.photographs.drum_photo import PhotographedDrum, photo_drum
 from grainfit.photographs.heap import HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import is_picture, opencv, read_picture
+from grainfit.photographs.videos import is_video
 from grainfit.tables import Summary, TextTable
 from grainfit.units import UnitError, to_unit
 
@@ -25,7 +28,8 @@ _FLANKS, _COUNTS_AS = 1.2, 2
 #: Any number of pictures of one heap shows six independent flanks (as of simulated silhouettes).
 _INDEPENDENT_FLANKS = 6
 
-Photographed = Literal["heap", "funnel"]
+Photographed = Literal["heap", "funnel", "drum"]
+Heaps = Literal["heap", "funnel"]
 PathLike = str | Path
 
 
@@ -88,6 +92,29 @@ class PhotographedHeaps(Summary):
         return (*lines, self.target)
 
 
+@overload
+def photo(
+    pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
+    test: Heaps = ...,
+    *,
+    diameter: str | float | None = ...,
+    plate: str | float | None = ...,
+    elevation: str | float | None = ...,
+    overlays: PathLike | None = ...,
+) -> PhotographedHeaps: ...
+
+
+@overload
+def photo(
+    pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
+    test: Literal["drum"],
+    *,
+    drum: str | float | None = ...,
+    level: str | float | None = ...,
+    overlays: PathLike | None = ...,
+) -> PhotographedDrum: ...
+
+
 def photo(
     pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
     test: Photographed = "heap",
@@ -95,17 +122,19 @@ def photo(
     diameter: str | float | None = None,
     plate: str | float | None = None,
     elevation: str | float | None = None,
+    drum: str | float | None = None,
+    level: str | float | None = None,
     overlays: PathLike | None = None,
-) -> PhotographedHeaps:
-    """Measure the angle of repose of heaps on photographs, as of simulated heaps.
+) -> PhotographedHeaps | PhotographedDrum:
+    """Measure angles on photographs and videos, by the code that measures simulated tests.
 
     Parameters
     ----------
     pictures : path, or sequence of these and of sequences
         JPEG, HEIC, PNG, BMP or TIFF. Each picture shows a heap of its own; those of a folder or of
-        a sequence within the sequence show one heap.
-    test : {"heap", "funnel"}
-        The test whose heap it is; both are measured alike.
+        a sequence within the sequence show one heap. Of a drum: videos, or at least five stills.
+    test : {"heap", "funnel", "drum"}
+        What is photographed; heaps of both kinds are measured alike.
     diameter : str or float, optional
         Of the particles, such as ``"3 mm"``, or in m; by the roughness of the outline if not given.
     plate : str or float, optional
@@ -113,12 +142,17 @@ def photo(
     elevation : str or float, optional
         Of the camera above the horizontal, such as ``"5 deg"``, or in degrees; by the edge of the
         plate or by the foot of the heap if not given.
+    drum : str or float, optional
+        Inner diameter of the drum; the angles do not need it.
+    level : str or float, optional
+        Standard uncertainty of how level the camera before a drum is; 0.5 degrees if neither the
+        marker sheet nor a drum that turns the other way tells it.
     overlays : path, optional
         Folder for a copy of every picture with what was found drawn on it.
 
     Returns
     -------
-    PhotographedHeaps
+    PhotographedHeaps or PhotographedDrum
         Mean and standard uncertainty, and what was found on each picture.
 
     Raises
@@ -129,12 +163,34 @@ def photo(
         No picture can be measured, and why.
     """
     opencv()
-    if test not in ("heap", "funnel"):
+    if test not in get_args(Photographed):
         raise InputError(messages.OTHER_TEST.fault("test", test=test))
+    of_heap = {"diameter": diameter, "plate": plate, "elevation": elevation}
+    of_drum = {"drum": drum, "level": level}
+    if test == "drum":
+        _require_none(of_heap, messages.NOT_OF_DRUM)
+        folder = None if overlays is None else Path(overlays)
+        known_diameter = _number("drum", drum, "m")
+        return photo_drum(_groups(pictures), known_diameter, _number("level", level, "deg"), folder)
+    _require_none(of_drum, messages.DRUM_ONLY)
+    return _photo_heaps(pictures, of_heap, overlays)
+
+
+def _require_none(options: Mapping[str, object], said: Message) -> None:
+    for key, value in options.items():
+        if value is not None:
+            raise InputError(said.fault(key))
+
+
+def _photo_heaps(
+    pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
+    options: Mapping[str, str | float | None],
+    overlays: PathLike | None,
+) -> PhotographedHeaps:
     known = {
-        "elevation": _number("elevation", elevation, "deg"),
-        "plate_diameter": _number("plate", plate, "m"),
-        "diameter": _number("diameter", diameter, "m"),
+        "elevation": _number("elevation", options["elevation"], "deg"),
+        "plate_diameter": _number("plate", options["plate"], "m"),
+        "diameter": _number("diameter", options["diameter"], "m"),
     }
     if known["diameter"] is not None and known["plate_diameter"] is None:
         raise InputError(messages.NO_LENGTH.fault("diameter"))
@@ -184,7 +240,7 @@ def _groups(pictures: PathLike | Sequence[PathLike | Sequence[PathLike]]) -> lis
         if not isinstance(one, str | Path):
             groups.append([Path(path) for path in one])
         elif Path(one).is_dir():
-            found = sorted(path for path in Path(one).iterdir() if is_picture(path))
+            found = sorted(p for p in Path(one).iterdir() if is_picture(p) or is_video(p))
             if not found:
                 raise InputError(messages.NO_PICTURES.fault("pictures", folder=one))
             groups.append(found)

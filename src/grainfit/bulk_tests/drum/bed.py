@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.drum.setup import DrumSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
-from grainfit.evaluation import Curve
+from grainfit.measurement.dynamic_angles import Surface
 from grainfit.measurement.grid import require_grid
 from grainfit.measurement.particles import Frame, Particles
 
@@ -24,79 +24,14 @@ from grainfit.measurement.particles import Frame, Particles
 _CELL, _LAYER = 0.5, 0.25
 #: Layers over which it is smoothed. The surface is where it falls below half that of a bed.
 _SMOOTHED, _HALF = 3, 0.29
-#: Share of the surface's half length from its middle to which lines are fitted: the whole surface,
-#: and its two halves, which start in the middle.
-_WHOLE, _PART = 0.6, 0.7
 #: Particles this near to the wall and this deep below the surface, in diameters, move with the
 #: wall unless the bed slides.
 _OUTER, _DEEP = 1.5, 2.0
 #: Particles at this angle from the middle of the bed and more are above its ends, degrees.
 _ABOVE = 120.0
-_FEWEST_FRAMES, _FEWEST_COLUMNS = 8, 3
+_FEWEST_FRAMES = 8
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """Free surface of the bed, averaged over frames, in a frame of reference turned with the bed.
-
-    Parameters
-    ----------
-    along : ndarray of shape (n,)
-        Coordinate along the mean inclination of the bed, uphill, m.
-    heights : ndarray of shape (n,)
-        Distance from the axis of the drum, upwards, m.
-    inclination : float
-        Inclination of the coordinate, degrees.
-    """
-
-    along: Array
-    heights: Array
-    inclination: float
-
-    def line(self, low: float, high: float) -> tuple[float, float]:
-        """Fit a line between two coordinates; return its inclination, degrees, and its offset, m.
-
-        Raises
-        ------
-        NotMeasurableError
-            There are too few particles there.
-        """
-        fitted = (self.along > low) & (self.along < high) & np.isfinite(self.heights)
-        if fitted.sum() < _FEWEST_COLUMNS:
-            raise NotMeasurableError("surface: it is too short to be fitted; use a larger drum")
-        slope, offset = np.polyfit(self.along[fitted], self.heights[fitted], 1)
-        return self.inclination + math.degrees(math.atan(slope)), float(offset)
-
-    def places(self) -> list[tuple[float, float]]:
-        """Return the points of the surface across and height, m, uphill."""
-        turn = math.radians(self.inclination)
-        found = np.isfinite(self.heights)
-        along, above = self.along[found], self.heights[found]
-        across = along * math.cos(turn) - above * math.sin(turn)
-        height = along * math.sin(turn) + above * math.cos(turn)
-        return [(float(y), float(z)) for y, z in zip(across, height, strict=True)]
-
-    def curve(self) -> Curve:
-        """Return the height of the surface over the place across the drum, both from its axis, m.
-
-        Raises
-        ------
-        NotMeasurableError
-            There are too few particles.
-        """
-        across, heights = np.array(self.places()).reshape(-1, 2).T
-        # At its ends a steep surface may hang over: the curve is the part seen from above.
-        seen = across > np.maximum.accumulate(np.concatenate([[-math.inf], across[:-1]]))
-        if seen.sum() < _FEWEST_COLUMNS:
-            raise NotMeasurableError("surface: it is too short to be measured; use a larger drum")
-        return Curve(across[seen].tolist(), heights[seen].tolist())
-
-    def half_length(self, radius: float) -> float:
-        """Return half the length of the surface within a drum of this radius, m."""
-        middle = float(np.nanmedian(self.heights))
-        return math.sqrt(max(radius**2 - middle**2, 0.0))
 
 
 @dataclass(frozen=True)
@@ -161,6 +96,11 @@ class TurningBed:
     def diameter(self) -> float:
         """Median particle diameter, m."""
         return self.last.diameter
+
+    @property
+    def radius(self) -> float:
+        """Radius of the drum, m."""
+        return float(self.setup.drum_radius)
 
     @property
     def turns(self) -> float:

@@ -18,12 +18,13 @@ def photo(
         list[Path] | None,
         typer.Argument(
             metavar="PICTURE...",
-            help="Pictures, each of a heap of its own; a folder has pictures of one heap.",
+            help="Pictures, each of a heap of its own; a folder has pictures of one heap. Videos, "
+            "or at least five stills, of a drum.",
             show_default=False,
         ),
     ] = None,
     test: Annotated[
-        Literal["heap", "funnel"], typer.Option(help="Test whose heap is photographed.")
+        Literal["heap", "funnel", "drum"], typer.Option(help="Test that is photographed.")
     ] = "heap",
     diameter: Annotated[
         str | None,
@@ -41,6 +42,18 @@ def photo(
             "foot tell it.",
         ),
     ] = None,
+    drum: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help='Inner diameter of the drum, such as "84 mm".'),
+    ] = None,
+    level: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ANGLE",
+            help="Standard uncertainty of how level the camera before a drum is, 0.5 deg if "
+            "nothing tells it.",
+        ),
+    ] = None,
     overlays: Annotated[
         Path, typer.Option(metavar="DIR", help="Where pictures with what was found are written.")
     ] = Path("overlays"),
@@ -49,13 +62,15 @@ def photo(
         typer.Option(metavar="FILE.pdf", help="Write the sheet of markers to print, no more."),
     ] = None,
 ) -> None:
-    """Measure the angle of repose of heaps on photographs, as of simulated heaps.
+    """Measure heaps and turning drums on photographs and videos, as simulated ones.
 
     Look at the overlays: they show outline, plate and flanks as they were found.
     A picture that cannot be measured is refused with the reason. A printed sheet of markers
     below the heap, or before it, tells how the camera was held and how long a pixel is.
 
     Example:  grainfit photo heap_*.jpg --plate "200 mm" --diameter "3 mm"
+
+    Example:  grainfit photo --test drum --drum "84 mm" turning.mp4
     """
     if marker is not None:
         from grainfit.photographs.marker import write_marker_sheet
@@ -68,6 +83,7 @@ def photo(
     with err_remarks.status("photographs"):
         from grainfit.photographs.photo import photo as measured
 
-        known = {"diameter": diameter, "plate": plate, "elevation": elevation}
-        found = measured(pictures, test, **known, overlays=overlays)
+        of_heap = {"diameter": diameter, "plate": plate, "elevation": elevation}
+        of_drum = {"drum": drum, "level": level}
+        found = measured(pictures, test, **of_heap, **of_drum, overlays=overlays)
     show.print_parts(out, found.summary())

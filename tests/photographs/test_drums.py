@@ -1,0 +1,235 @@
+"""Turning drums on videos and stills: rendered ones whose angle is known, and ones to refuse."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from typer.testing import CliRunner
+
+import grainfit as gf
+from grainfit.cli.app import app
+from grainfit.photographs import messages
+from grainfit.photographs.drum import _level_of, measure_still
+from grainfit.photographs.drum_circle import DrumCircle
+from grainfit.photographs.pictures import opencv
+from grainfit.photographs.rim_speed import rotational_speed
+from tests.photographs.rendered_drums import DrumShot, render_drum
+from tests.photographs.test_marker import _printed
+
+Frames = list[NDArray[np.uint8]]
+
+ANGLE, SWING, COUNT, INTERVAL = 33.0, 2.5, 28, 0.15
+STEP = 2 * math.pi / 40
+
+
+def _inclinations() -> NDArray[np.float64]:
+    """A bed that an avalanche takes down every five frames."""
+    return ANGLE + SWING * np.sin(2 * math.pi * np.arange(COUNT) / 5.2)
+
+
+def _places() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Beads below a plane that swings; four tenths of a drum of 20 beads across."""
+    rng = np.random.default_rng(7)
+    size = 1 / 10
+    x, y, z = np.meshgrid(
+        [0.5 * size, 1.4 * size], np.arange(-1, 1, size), np.arange(-1, 1, 0.9 * size)
+    )
+    lattice = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    count = round(0.4 * len(lattice) * math.pi / 4)
+    frames = []
+    for angle in np.radians(_inclinations()):
+        bead = lattice + rng.uniform(-0.25, 0.25, lattice.shape) * size
+        bead = bead[np.hypot(bead[:, 1], bead[:, 2]) < 1 - size / 2]
+        above = bead[:, 2] * np.cos(angle) - bead[:, 1] * np.sin(angle)
+        frames.append(bead[np.argsort(above)[:count]])
+    return np.array(frames), np.full(count, size / 2)
+
+
+@pytest.fixture(scope="module")
+def shot() -> DrumShot:
+    places, radii = _places()
+    return DrumShot(
+        places,
+        radii,
+        step=STEP,
+        interval=INTERVAL,
+        size=(320, 240),
+        yaw=4.0,
+        pitch=3.0,
+        glare=0.3,
+        glare_at=(0.45, 0.35),
+    )
+
+
+@pytest.fixture(scope="module")
+def frames(shot: DrumShot) -> Frames:
+    return [np.asarray(render_drum(shot, number)) for number in range(COUNT)]
+
+
+def _video(frames: Frames, path: Path) -> Path:
+    cv2 = opencv()
+    size = (frames[0].shape[1], frames[0].shape[0])
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"mp4v"), 1 / INTERVAL, size)
+    for frame in frames:
+        writer.write(np.ascontiguousarray(frame[..., ::-1]))
+    writer.release()
+    return path
+
+
+@pytest.fixture(scope="module")
+def video(frames: Frames, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return _video(frames, tmp_path_factory.mktemp("drum") / "turning.mp4")
+
+
+def test_the_frames_of_a_video_have_the_angles_and_the_speed_of_the_drum(video: Path) -> None:
+    found = gf.photo(video, "drum", drum="84 mm", level="0.1 deg")
+
+    for name, value in found.responses.items():
+        assert abs(value.value - _inclinations().mean()) < 2.5 * value.standard_error, name
+    assert found.dynamic_angle.value == pytest.approx(_inclinations().mean(), abs=0.8)
+    # Its swings repeat: the mean over whole avalanches is known better than from single frames.
+    independent = SWING / math.sqrt(2 * COUNT)
+    assert found.parts["dynamic_angle"]["over time"] < independent
+    speed = found.rotational_speed
+    assert speed is not None
+    assert speed.value == pytest.approx(STEP / INTERVAL, rel=0.005)
+    assert found.fill_level == pytest.approx(0.4, abs=0.07)
+    half = found.series[0].angles.surface.half_length(0.042)
+    assert 0.035 < half < 0.042
+
+
+def test_stills_are_averaged_and_two_are_too_few(frames: Frames, tmp_path: Path) -> None:
+    folder = tmp_path / "stills"
+    folder.mkdir()
+    for number in range(0, 15, 3):
+        Image.fromarray(frames[number]).save(folder / f"{number:02}.png")
+    found = gf.photo(folder, "drum", level=0.1)
+
+    expected = _inclinations()[0:15:3]
+    assert found.dynamic_angle.value == pytest.approx(expected.mean(), abs=1.2)
+    over_time = found.parts["dynamic_angle"]["over time"]
+    assert over_time == pytest.approx(expected.std(ddof=1) / math.sqrt(5), rel=0.4)
+    assert found.rotational_speed is None
+    with pytest.raises(gf.NotMeasurableError) as error:
+        gf.photo(sorted(folder.iterdir())[:2], "drum")
+    assert messages.FEW_STILLS.is_in(str(error.value))
+
+
+def test_turning_both_ways_makes_up_for_a_camera_that_is_not_level(
+    frames: Frames, tmp_path: Path
+) -> None:
+    cv2 = opencv()
+    rows, columns = frames[0].shape[:2]
+    rolled = cv2.getRotationMatrix2D((columns / 2, rows / 2), 5.0, 1.0)
+
+    def tilted(some: Frames) -> Frames:
+        kept = {"borderMode": cv2.BORDER_REPLICATE}
+        return [cv2.warpAffine(one, rolled, (columns, rows), **kept) for one in some]
+
+    one = _video(tilted(frames), tmp_path / "one.mp4")
+    other = _video(tilted([frame[:, ::-1].copy() for frame in frames]), tmp_path / "other.mp4")
+    single, both = gf.photo(one, "drum"), gf.photo([one, other], "drum")
+
+    assert abs(single.dynamic_angle.value - ANGLE) > 3.0
+    assert any(messages.LEVEL.is_in(str(line)) for line in single.summary())
+    assert both.dynamic_angle.value == pytest.approx(_inclinations().mean(), abs=0.8)
+    assert both.parts["dynamic_angle"]["level"] < single.parts["dynamic_angle"]["level"]
+
+
+def test_the_marker_sheet_tells_how_the_camera_is_rolled(shot: DrumShot) -> None:
+    sheet = replace(
+        _printed(), width=2.4, corner=(-2.2, 1.2, -1.24), along=(0.0, -1.0, 0.0), up=(1.0, 0.0, 0.0)
+    )
+    seen = replace(shot, sheet=sheet, roll=4.0, yaw=0.0, pitch=14.0, share=0.4, size=(800, 600))
+    colours = np.asarray(render_drum(seen, 0))
+    focal = 0.4 * 300 * seen.distance
+    circle = DrumCircle((399.5, 299.5), 120.0, 120.0 * math.cos(math.radians(14)), math.pi / 2)
+    level, by_sheet = _level_of(colours, circle, focal)
+
+    assert by_sheet
+    # Rolled clockwise, what is horizontal rises to the right.
+    assert level == pytest.approx(4.0, abs=0.4)
+
+
+@pytest.mark.parametrize("kind", ["cut off", "empty", "moves", "stands still", "short", "plain"])
+def test_what_cannot_be_measured_is_refused_with_the_reason(
+    kind: str, shot: DrumShot, frames: Frames, tmp_path: Path
+) -> None:
+    some, why = frames[:12], None
+    if kind == "cut off":
+        some, why = [frame[:, :200].copy() for frame in some], messages.DRUM_CUT_OFF
+    elif kind == "empty":
+        away = shot.places[:, :1] + np.array([60.0, 0, 0])
+        bare = replace(shot, places=away, radii=shot.radii[:1])
+        some, why = [np.asarray(render_drum(bare, number)) for number in range(8)], None
+    elif kind == "moves":
+        some = [np.roll(frame, 2 * number, axis=1) for number, frame in enumerate(some)]
+        why = messages.CAMERA_MOVES
+    elif kind == "stands still":
+        some, why = 12 * frames[:1], messages.STILL_DRUM
+    elif kind == "short":
+        some, why = frames[:5], messages.FEW_FRAMES
+    else:
+        some, why = [np.full_like(frame, 90) for frame in some], messages.NO_DRUM
+    with pytest.raises(gf.NotMeasurableError) as error:
+        gf.photo(_video(some, tmp_path / "refused.mp4"), "drum", overlays=tmp_path)
+
+    said = str(error.value)
+    surface = (messages.NO_SURFACE, messages.SURFACE_WITHOUT_CONTRAST, messages.DIRTY_DRUM)
+    reasons = surface if why is None else (why,)
+    assert any(reason.is_in(said) for reason in reasons), said
+    assert (tmp_path / "refused_refused.png").is_file()
+
+
+def test_a_rim_without_a_mark_has_no_speed() -> None:
+    rng = np.random.default_rng(5)
+    rims = [rng.normal(size=(9, 256)) for _ in range(60)]
+
+    assert rotational_speed(rims, 0.1) is None
+
+
+def test_the_command_prints_targets_and_leaves_an_overlay(
+    video: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ["photo", "--test", "drum", "--drum", "84 mm", str(video)])
+
+    assert done.exit_code == 0, done.output
+    lines = done.output.splitlines()
+    assert any(line.startswith("targets.dynamic_angle = {") for line in lines)
+    assert 'drum_radius = "42 mm"' in lines
+    assert any(line.startswith('rotational_speed = "10') for line in lines)
+    assert Image.open("overlays/turning_measured.png").size[0] == 320
+    wrong = CliRunner().invoke(app, ["photo", "--drum", "84 mm", str(video)])
+    assert isinstance(wrong.exception, gf.InputError)
+
+
+def test_what_is_no_video_is_named(tmp_path: Path) -> None:
+    (tmp_path / "notes.mp4").write_text("no video")
+
+    with pytest.raises(gf.InputError) as error:
+        gf.photo(tmp_path / "notes.mp4", "drum")
+    assert messages.NO_VIDEO.is_in(str(error.value))
+    with pytest.raises(gf.InputError) as error:
+        gf.photo(tmp_path / "none.mp4", "drum")
+    assert messages.NO_FILE.is_in(str(error.value))
+
+
+def test_a_picture_of_twelve_megapixels_takes_less_than_three_seconds(
+    frames: Frames, tmp_path: Path
+) -> None:
+    path = tmp_path / "large.jpg"
+    Image.fromarray(frames[0]).resize((4000, 3000), Image.Resampling.BICUBIC).save(path)
+    from grainfit.photographs.pictures import read_picture
+
+    before = time.process_time()
+    picture = read_picture(path)
+    measure_still(path, picture.colours, picture.focal)
+    assert time.process_time() - before < 3.0
