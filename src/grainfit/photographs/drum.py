@@ -21,6 +21,7 @@ from grainfit.photographs.drum_circle import (
     Colours,
     DrumCircle,
     circles_in,
+    is_steady,
     require_along_axis,
 )
 from grainfit.photographs.drum_surface import (
@@ -44,8 +45,6 @@ _LEARNT = 12
 _LEVELS = (0.0, -0.5, 0.5)
 #: Largest standard uncertainty of the dynamic angle by where the surface is, degrees.
 _UNSURE = 1.0
-#: By how much the drum may be elsewhere at the end, over its radius.
-_MOVED = 0.03
 #: The outline of a bed is that of its highest particles over the length of the drum, a simulated
 #: surface the mean of all: by so much an angle of the outline is less, degrees for a roughness of
 #: the outline of one radius, and its standard deviation (11 simulated drums of 8 to 16 particle
@@ -324,6 +323,9 @@ def _bed_of(frames: Sequence[Colours]) -> tuple[BedColours, DrumCircle]:
         circles = circles_in(frames[0])
     reason: NotMeasurableError | None = None
     for circle in circles:
+        if not is_steady(circle, [frames[0], frames[-1]]):
+            reason = reason or NotMeasurableError(messages.CAMERA_MOVES())
+            continue
         try:
             require_along_axis(circle)
             known = learn_colours(frames, circle)
@@ -332,10 +334,6 @@ def _bed_of(frames: Sequence[Colours]) -> tuple[BedColours, DrumCircle]:
             continue
         if not known.fits(frames[0], circle):
             continue
-        if len(frames) > 1:
-            for frame in (frames[0], frames[-1]):
-                if not any(circle.is_as(other, _MOVED) for other in circles_in(frame)):
-                    raise NotMeasurableError(messages.CAMERA_MOVES())
         return known, circle
     raise reason or NotMeasurableError(messages.NO_SURFACE())
 

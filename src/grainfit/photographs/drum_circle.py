@@ -35,6 +35,8 @@ _STEPS, _REACHES = (0.012, 0.004), (0.02, 0.015)
 #: Beyond this angle from its axis a drum is seen too obliquely, degrees.
 _OBLIQUE = 15.0
 _RAYS = 360
+#: A camera is steady if an edge is seen on the circle in all frames nearly as much as in any.
+_STEADY = 0.75
 
 
 @dataclass(frozen=True)
@@ -117,10 +119,7 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
     NotMeasurableError
         There is none, and why.
     """
-    smooth = opencv().cvtColor(
-        opencv().GaussianBlur(colours, (0, 0), 1.0).astype(np.float32) / 255,
-        opencv().COLOR_RGB2LAB,
-    )
+    smooth = _smooth(colours)
     slopes = np.gradient(smooth, axis=(1, 0))
     circles: list[tuple[float, DrumCircle]] = []
     cut_off = False
@@ -143,6 +142,24 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
     if found[0].half < _SMALLEST:
         shown = messages.SMALL_DRUM(width=2 * found[0].half, needed=2 * _SMALLEST)
         raise NotMeasurableError(shown)
+    return found
+
+
+def is_steady(circle: DrumCircle, frames: Sequence[Colours]) -> bool:
+    """Return whether a drum is seen at the same place in all of some frames."""
+    shifts = np.array([-1.0, 0.0, 1.0]) * _STEPS[0] * circle.half
+    x, y, r = np.meshgrid(shifts, shifts, shifts, indexing="ij")
+    places = (circle.middle[0] + x, circle.middle[1] + y, circle.half + r)
+    seen = [
+        float(_shares(np.gradient(_smooth(frame), axis=(1, 0)), *places).max()) for frame in frames
+    ]
+    return min(seen) > _STEADY * max(seen)
+
+
+def _smooth(colours: Colours) -> Floats:
+    cv2 = opencv()
+    soft = cv2.GaussianBlur(colours, (0, 0), 1.0).astype(np.float32) / 255
+    found: Floats = cv2.cvtColor(soft, cv2.COLOR_RGB2LAB)
     return found
 
 
@@ -272,4 +289,4 @@ def _refined(lab: NDArray[np.float32], guess: DrumCircle) -> tuple[float, DrumCi
     return float(seen.mean()), circle
 
 
-__all__ = ["DrumCircle", "circles_in", "require_along_axis"]
+__all__ = ["DrumCircle", "circles_in", "is_steady", "require_along_axis"]
