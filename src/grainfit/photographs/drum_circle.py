@@ -120,7 +120,7 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
         There is none, and why.
     """
     smooth = _smooth(colours)
-    slopes = np.gradient(smooth, axis=(1, 0))
+    slopes = _slopes(smooth)
     circles: list[tuple[float, DrumCircle]] = []
     cut_off = False
     for guess in _guesses(colours):
@@ -150,9 +150,7 @@ def is_steady(circle: DrumCircle, frames: Sequence[Colours]) -> bool:
     shifts = np.array([-1.0, 0.0, 1.0]) * _STEPS[0] * circle.half
     x, y, r = np.meshgrid(shifts, shifts, shifts, indexing="ij")
     places = (circle.middle[0] + x, circle.middle[1] + y, circle.half + r)
-    seen = [
-        float(_shares(np.gradient(_smooth(frame), axis=(1, 0)), *places).max()) for frame in frames
-    ]
+    seen = [float(_shares(_slopes(_smooth(frame)), *places).max()) for frame in frames]
     return min(seen) > _STEADY * max(seen)
 
 
@@ -170,7 +168,7 @@ def _guesses(colours: Colours) -> list[DrumCircle]:
     size = (round(colours.shape[1] * factor), round(colours.shape[0] * factor))
     small = cv2.resize(colours, size, interpolation=cv2.INTER_AREA).astype(np.float32) / 255
     lab = cv2.cvtColor(cv2.GaussianBlur(small, (0, 0), 0.8), cv2.COLOR_RGB2LAB)
-    slopes = np.gradient(lab, axis=(1, 0))
+    slopes = _slopes(lab)
     radii = np.arange(_RADII[0] * min(size), _RADII[1] * min(size), _GRID[1])
     found: list[tuple[float, DrumCircle]] = []
     for row in np.arange(0.25 * size[1], 0.75 * size[1], _GRID[0]):
@@ -190,6 +188,11 @@ def _guesses(colours: Colours) -> list[DrumCircle]:
         if len(guesses) == _MOST:
             break
     return guesses
+
+
+def _slopes(lab: Floats) -> tuple[Floats, Floats]:
+    """Change of the colours across and down."""
+    return np.gradient(lab, axis=1), np.gradient(lab, axis=0)
 
 
 def _shares(slopes: Sequence[Floats], x: Array, y: Array, radii: Array) -> Array:
