@@ -165,7 +165,7 @@ def test_what_cannot_be_measured_is_refused_with_the_reason(
 ) -> None:
     some, why = frames[:12], None
     if kind == "cut off":
-        some, why = [frame[:, :200].copy() for frame in some], messages.DRUM_CUT_OFF
+        some, why = [frame[:, :215].copy() for frame in some], messages.DRUM_CUT_OFF
     elif kind == "empty":
         away = shot.places[:, :1] + np.array([60.0, 0, 0])
         bare = replace(shot, places=away, radii=shot.radii[:1])

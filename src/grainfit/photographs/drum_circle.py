@@ -22,6 +22,8 @@ _LENGTH = 160
 #: Distance between the middles that are tried, and between radii, pixels of this picture; and
 #: directions in which a change of colour, in Lab over a pixel, counts as an edge.
 _GRID, _DIRECTIONS, _CHANGE = (3.0, 1.5), 72, 3.0
+#: Where middles are looked for, over width and height of the picture.
+_MIDDLES = (0.2, 0.8)
 #: Circles that are looked at closely, and by how much they differ, over their radius.
 _MOST, _APART = 14, 0.05
 #: Radii that are looked for, over the shorter side of the picture; the least one, pixels.
@@ -122,22 +124,22 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
     smooth = _smooth(colours)
     slopes = _slopes(smooth)
     circles: list[tuple[float, DrumCircle]] = []
-    cut_off = False
     for guess in _guesses(colours):
         seen, circle = _refined(smooth, _nearest(slopes, guess))
         if circle is None:
-            continue
-        if _is_cut_off(circle, colours):
-            cut_off = True
             continue
         same = [other for other in circles if circle.is_as(other[1], 0.03)]
         if all(other[0] < seen for other in same):
             circles = [other for other in circles if other not in same] + [(seen, circle)]
     if not circles:
-        raise NotMeasurableError(messages.DRUM_CUT_OFF() if cut_off else messages.NO_DRUM())
+        raise NotMeasurableError(messages.NO_DRUM())
     # A drum and its rim are about one middle.
     best = max(circles, key=lambda one: one[0])[1]
-    found = [one for _, one in circles if math.dist(one.middle, best.middle) < 0.04 * best.half]
+    if _is_cut_off(best, colours):
+        raise NotMeasurableError(messages.DRUM_CUT_OFF())
+    near = 0.04 * best.half
+    found = [one for _, one in circles if math.dist(one.middle, best.middle) < near]
+    found = [one for one in found if not _is_cut_off(one, colours)]
     found.sort(key=lambda one: -one.half)
     if found[0].half < _SMALLEST:
         shown = messages.SMALL_DRUM(width=2 * found[0].half, needed=2 * _SMALLEST)
@@ -171,8 +173,8 @@ def _guesses(colours: Colours) -> list[DrumCircle]:
     slopes = _slopes(lab)
     radii = np.arange(_RADII[0] * min(size), _RADII[1] * min(size), _GRID[1])
     found: list[tuple[float, DrumCircle]] = []
-    for row in np.arange(0.25 * size[1], 0.75 * size[1], _GRID[0]):
-        columns = np.arange(0.25 * size[0], 0.75 * size[0], _GRID[0])
+    for row in np.arange(_MIDDLES[0] * size[1], _MIDDLES[1] * size[1], _GRID[0]):
+        columns = np.arange(_MIDDLES[0] * size[0], _MIDDLES[1] * size[0], _GRID[0])
         share = _shares(slopes, columns[:, None], np.full((1, 1), row), radii[None])
         for column, radius in zip(*np.nonzero(share > 0.7 * share.max()), strict=True):
             middle = ((columns[column] + 0.5) / factor - 0.5, (row + 0.5) / factor - 0.5)
