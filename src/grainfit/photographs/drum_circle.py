@@ -37,6 +37,8 @@ _STEPS, _REACHES = (0.012, 0.004), (0.02, 0.015)
 #: Beyond this angle from its axis a drum is seen too obliquely, degrees.
 _OBLIQUE = 15.0
 _RAYS = 360
+#: Share of a small circle that is seen if it is a drum.
+_CLEAR = 0.9
 #: A camera is steady if an edge is seen on the circle in all frames nearly as much as in any.
 _STEADY = 0.75
 
@@ -134,13 +136,16 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
     if not circles:
         raise NotMeasurableError(messages.NO_DRUM())
     # A drum and its rim are about one middle.
-    best = max(circles, key=lambda one: one[0])[1]
+    seen, best = max(circles, key=lambda one: one[0])
     if _is_cut_off(best, colours):
         raise NotMeasurableError(messages.DRUM_CUT_OFF())
     near = 0.04 * best.half
     found = [one for _, one in circles if math.dist(one.middle, best.middle) < near]
     found = [one for one in found if not _is_cut_off(one, colours)]
     found.sort(key=lambda one: -one.half)
+    if found[0].half < _SMALLEST and seen < _CLEAR:
+        # Something round, such as particles beside each other.
+        raise NotMeasurableError(messages.NO_DRUM())
     if found[0].half < _SMALLEST:
         shown = messages.SMALL_DRUM(width=2 * found[0].half, needed=2 * _SMALLEST)
         raise NotMeasurableError(shown)

@@ -107,7 +107,7 @@ IMPOSSIBLE = Message("is {given!r}, and must be above zero.")
 
 # Drums.
 NO_DRUM = Message(
-    "no drum is found: there is no circle that stands out on most of its circumference.",
+    "no drum is found: no whole circle stands out on most of its circumference.",
     "Photograph the drum along its axis, wholly, with a rim that differs from what is in it.",
 )
 DRUM_CUT_OFF = Message(
