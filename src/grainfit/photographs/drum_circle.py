@@ -37,8 +37,9 @@ _STEPS, _REACHES = (0.012, 0.004), (0.02, 0.015)
 #: Beyond this angle from its axis a drum is seen too obliquely, degrees.
 _OBLIQUE = 15.0
 _RAYS = 360
-#: Share of a small circle that is seen if it is a drum.
-_CLEAR = 0.9
+#: Share of a small circle that is seen if it is a drum; and of those about one middle, over that
+#: of the one of which most is seen.
+_CLEAR, _AS_CLEAR = 0.9, 0.8
 #: A camera is steady if an edge is seen on the circle in all frames nearly as much as in any.
 _STEADY = 0.75
 
@@ -140,7 +141,11 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
     if _is_cut_off(best, colours):
         raise NotMeasurableError(messages.DRUM_CUT_OFF())
     near = 0.04 * best.half
-    found = [one for _, one in circles if math.dist(one.middle, best.middle) < near]
+    found = [
+        one
+        for share, one in circles
+        if share > _AS_CLEAR * seen and math.dist(one.middle, best.middle) < near
+    ]
     found = [one for one in found if not _is_cut_off(one, colours)]
     found.sort(key=lambda one: -one.half)
     if found[0].half < _SMALLEST and seen < _CLEAR:
@@ -259,7 +264,7 @@ def _refined(lab: NDArray[np.float32], guess: DrumCircle) -> tuple[float, DrumCi
     for reach in _REACHES:
         # Differences over three pixels, four to a pixel.
         step = 6
-        ends = reach * circle.half + step / 4
+        ends = max(reach * circle.half, 2.5 * _NEAR[1]) + step / 4
         factors = 1 + np.arange(-ends, ends + 1e-9, 0.25) / circle.half
         turn = np.linspace(0, 2 * math.pi, _RAYS, endpoint=False)
         circular = np.column_stack([np.cos(turn), np.sin(turn)])
