@@ -323,7 +323,7 @@ def _bed_of(frames: Sequence[Colours]) -> tuple[BedColours, DrumCircle]:
         circles = circles_in(frames[0])
     reason: NotMeasurableError | None = None
     for circle in circles:
-        if not is_steady(circle, [frames[0], frames[-1]]):
+        if not is_steady(circle, [frames[0], frames[len(frames) // 2], frames[-1]]):
             reason = reason or NotMeasurableError(messages.CAMERA_MOVES())
             continue
         try:
