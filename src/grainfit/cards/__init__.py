@@ -10,6 +10,13 @@ from grainfit.cards import messages
 from grainfit.cards.csv_card import render_csv
 from grainfit.cards.from_calibration import make_card
 from grainfit.cards.json_card import render_json
+from grainfit.cards.other_programs.aspherix import ASPHERIX
+from grainfit.cards.other_programs.base import render_other
+from grainfit.cards.other_programs.edem import EDEM
+from grainfit.cards.other_programs.mercurydpm import MERCURYDPM
+from grainfit.cards.other_programs.mfix import MFIX
+from grainfit.cards.other_programs.pfc import PFC
+from grainfit.cards.other_programs.rocky import ROCKY
 from grainfit.errors import InputError
 from grainfit.files import write_atomically
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
@@ -36,6 +43,12 @@ _RENDERERS: Mapping[str, Callable[[MaterialCard], str]] = {
     "liggghts": render_liggghts,
     "lammps": render_lammps,
     "yade": render_yade,
+    "edem": render_other(EDEM),
+    "rocky": render_other(ROCKY),
+    "mercurydpm": render_other(MERCURYDPM),
+    "pfc": render_other(PFC),
+    "mfix": render_other(MFIX),
+    "aspherix": render_other(ASPHERIX),
     "json": render_json,
     "csv": render_csv,
 }
@@ -58,8 +71,8 @@ class WritableCard(MaterialCard):
 
         Parameters
         ----------
-        to : {"liggghts", "lammps", "yade", "json", "csv"}
-            The format.
+        to : str
+            The format, one of `FORMATS`.
         path : path
             The file.
 
@@ -117,8 +130,8 @@ def render(card: MaterialCard, to: str) -> str:
     ----------
     card : MaterialCard
         The material.
-    to : {"liggghts", "lammps", "yade", "json", "csv"}
-        The format.
+    to : str
+        The format, one of `FORMATS`.
 
     Raises
     ------

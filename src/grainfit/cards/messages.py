@@ -9,3 +9,19 @@ CANNOT_BE_WRITTEN = Message("{path!r} cannot be written: {reason}.")
 OTHER_DEFINITION = Message(
     "a run in {folder!r} is not defined as in this version of grainfit: {error}"
 )
+
+# Cards of other programs.
+OTHER_NEEDS = Message(
+    "a card for {program} needs {missing}, which this calibration does not have.",
+    "Give them in the calibration file and run it again, or use --to json or --to csv.",
+)
+NOT_RUN = Message(
+    "grainfit does not run {program}: repeat a bulk test with these values before you rely on them."
+)
+NO_DASHPOT = Message(
+    "the calibration has a dashpot of rolling; its counterpart in {title} could not be verified."
+)
+NO_CLUMPS = Message(
+    "the particles of the calibration are clumps of spheres.",
+    "--to json has their places and radii: build them in the program.",
+)

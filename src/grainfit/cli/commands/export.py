@@ -22,7 +22,8 @@ def export(
         typer.Option(
             "--to",
             metavar="FORMAT",
-            help="liggghts, lammps or yade: to include in a deck; json or csv: for other programs.",
+            help="liggghts, lammps or yade: to include in a deck; edem, rocky, mercurydpm, pfc, "
+            "mfix or aspherix: every conversion beside its value; json or csv: for programs.",
             show_default=False,
         ),
     ],

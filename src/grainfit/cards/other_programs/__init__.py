@@ -1,0 +1,1 @@
+"""Cards for programs that grainfit does not run, one module for each."""
