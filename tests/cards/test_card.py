@@ -511,7 +511,7 @@ def test_export_replaces_a_file_when_asked_and_says_what_it_is(
 def test_export_says_in_one_line_what_is_wrong(drum_folder: Path) -> None:
     (drum_folder / "result.json").unlink()
     for folder, to, words in (
-        (drum_folder, "xml", "liggghts, lammps, yade, json or csv"),
+        (drum_folder, "xml", "yade, edem, rocky, mercurydpm, pfc, mfix, aspherix, json or csv"),
         (drum_folder / "runs", "json", "is not a work folder"),
         (drum_folder, "json", "there is no answer yet"),
     ):
