@@ -239,8 +239,10 @@ def _head(card: MaterialCard, program: OtherProgram, material: Material) -> Iter
         line = f"{comment(parameter.name)} = {parameter.value!r}  {about(parameter)[2:]}"
         yield _marked(program, line)
     if card.recommended_time_step is not None:
-        words = "s, of the calibration; the program may have a rule of its own"
-        yield _marked(program, f"# recommended time step = {card.recommended_time_step!r}  {words}")
+        remark = "s, of the calibration; the program may have a rule of its own"
+        yield _marked(
+            program, f"# recommended time step = {card.recommended_time_step!r}  {remark}"
+        )
 
 
 def _setting(program: OtherProgram, setting: Setting) -> Iterator[str]:
