@@ -37,7 +37,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "student",
     ),
     ("options", "tables", "verdict"),
-    ("table_files",),
+    ("table_files", "local_pages"),
     ("materials",),
     ("contact_models",),
     ("evaluation", "problem", "run_definition"),
@@ -54,7 +54,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("work_folder",),
     ("cards", "plots"),
     ("report",),
-    ("opened", "preview", "watch", "atlas_page"),
+    ("opened", "preview", "watch", "atlas_page", "photo_page"),
     ("animation",),
     ("cli",),
 )

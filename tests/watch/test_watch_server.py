@@ -19,8 +19,9 @@ from watched_runs import address, calibration, run, served, wait_for
 from benchmarks import campaigns
 from grainfit.campaign.folder_lock import hold
 from grainfit.errors import InputError
-from grainfit.watch import messages
-from grainfit.watch.server import WatchServer, address_of, listen
+from grainfit.local_pages import messages
+from grainfit.local_pages.server import address_of, listen
+from grainfit.watch.server import WatchServer
 
 SECRET = "a secret of the user"
 
@@ -207,7 +208,7 @@ def test_slow_clients_lock_nobody_out_who_has_the_token(server: WatchServer) -> 
 def test_a_request_that_does_not_end_is_ended(
     server: WatchServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("grainfit.watch.server._REQUEST_SECONDS", 1.0)
+    monkeypatch.setattr("grainfit.local_pages.server._REQUEST_SECONDS", 1.0)
     with slow_clients(server.socket.getsockname()[1], 3) as clients:
         for client in clients:
             client.settimeout(20)

@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from grainfit.watch.server import WatchServer, listen, serve
+from grainfit.local_pages.server import listen
+from grainfit.watch.server import WatchServer
 
 #: Every run waits for the file GO; beyond BREAKS it fails.
 FILE = """
@@ -94,7 +95,7 @@ def address(file: Path) -> str:
 def served(folder: Path) -> Iterator[WatchServer]:
     """Serve the page of a folder in this process."""
     server = WatchServer(folder, listen(0))
-    serve(server)
+    server.serve()
     try:
         yield server
     finally:

@@ -16,7 +16,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from grainfit.watch.server import WatchServer, serve
+from grainfit.watch.server import WatchServer
 
 _LOOK_SECONDS = 0.5
 #: Time for browsers to receive the last state, s.
@@ -31,7 +31,7 @@ class WatchProcess:
     folder : Path
         The work folder.
     listening : socket
-        From `grainfit.watch.server.listen`; it is handed over.
+        From `grainfit.local_pages.server.listen`; it is handed over.
     token : str
         Secret part of the address.
     ticket : str
@@ -74,7 +74,7 @@ def main() -> None:
     folder = Path(given["folder"])
     server = WatchServer(folder, socket.socket(fileno=int(sys.argv[1])), given["token"])
     server.add_ticket(given["ticket"])
-    serve(server)
+    server.serve()
     _wait_for_end(int(given["parent"]))
     server.follower.end()
     deadline = time.monotonic() + _FAREWELL_SECONDS

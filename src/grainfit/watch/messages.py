@@ -1,13 +1,9 @@
-"""Messages of watching: a port that is taken, a calibration that cannot be stopped here."""
+"""Messages of watching: a calibration that cannot be stopped here."""
 
 from __future__ import annotations
 
 from grainfit.messages import Message
 
-PORT_TAKEN = Message(
-    "{port} cannot be used: {reason}.",
-    "Choose another one, or leave it out: any free one is taken.",
-)
 ANOTHER_MACHINE = Message(
     "the calibration runs on another machine.", "Stop it on {host}: kill -INT {process}"
 )

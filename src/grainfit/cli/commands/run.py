@@ -12,10 +12,11 @@ import typer
 
 from grainfit.cli import console as show
 from grainfit.cli.commands.report import report_at_end
-from grainfit.cli.commands.watch import OpenPage, Port, Watch, watching
+from grainfit.cli.commands.watch import Watch, watching
 from grainfit.cli.consoles import err, err_remarks, out
 from grainfit.cli.exit_codes import INTERRUPTED, OF_STATUS
 from grainfit.cli.help_texts import shown_default
+from grainfit.cli.local_page import OpenPage, Port
 from grainfit.cli.notification import Notify, notifying
 from grainfit.cli.options import CalibrationPath, Workdir
 from grainfit.cli.search_options import with_search_options

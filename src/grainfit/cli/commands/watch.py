@@ -2,38 +2,20 @@
 
 from __future__ import annotations
 
-import os
-import socket
-import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from grainfit.cli import console as show
 from grainfit.cli import messages
-from grainfit.cli.consoles import err, out
-from grainfit.cli.help_texts import shown_default
+from grainfit.cli.consoles import err
+from grainfit.cli.local_page import OpenPage, Port, open_address, print_address, serve_page
 from grainfit.cli.options import WorkFolder
 from grainfit.errors import StoreError
 
-Port = Annotated[
-    int,
-    typer.Option(
-        "--port",
-        metavar="N",
-        min=0,
-        max=65535,
-        help=f"Port of the page that follows the calibration. {shown_default('any that is free')}",
-        show_default=False,
-    ),
-]
-OpenPage = Annotated[
-    bool, typer.Option("--open/--no-open", help="Show that page in the web browser.")
-]
 Watch = Annotated[
     bool,
     typer.Option(
@@ -57,18 +39,12 @@ def watch(
     Ctrl-C ends the page; the calibration goes on.
     """
     from grainfit.campaign.store.store import STORE_NAME, not_a_work_folder
-    from grainfit.watch.server import WatchServer, address_of, listen, new_token, serve
+    from grainfit.local_pages.server import listen
+    from grainfit.watch.server import WatchServer
 
     if not (workdir / STORE_NAME).exists():
         raise StoreError(str(not_a_work_folder(workdir)))
-    server, ticket = WatchServer(workdir, listen(port)), new_token()
-    with suppress(KeyboardInterrupt):
-        serve(server)
-        _print_address(out, server.address)
-        if open_page:
-            server.add_ticket(ticket)
-            _open(address_of(server.socket, ticket))
-        threading.Event().wait()
+    serve_page(WatchServer(workdir, listen(port)), "Watch", open_page)
 
 
 @contextmanager
@@ -80,8 +56,8 @@ def watching(folder: Path, port: int, open_page: bool) -> Iterator[None]:
     InputError
         The port cannot be used.
     """
+    from grainfit.local_pages.server import address_of, listen, new_token
     from grainfit.watch.child import WatchProcess
-    from grainfit.watch.server import address_of, listen, new_token
 
     listening, token, ticket = listen(port), new_token(), new_token()
     address, opened = address_of(listening, token), address_of(listening, ticket)
@@ -92,25 +68,9 @@ def watching(folder: Path, port: int, open_page: bool) -> Iterator[None]:
         yield
         return
     try:
-        _print_address(err, address)
+        print_address(err, "Watch", address)
         if open_page:
-            _open(opened)
+            open_address(opened)
         yield
     finally:
         process.end()
-
-
-def _print_address(console: Console, address: str) -> None:
-    console.print(f"Watch: {address}", highlight=False, markup=False, soft_wrap=True)
-    if "SSH_CONNECTION" in os.environ:
-        port = address.split(":")[2].partition("/")[0]
-        tunnel = f"ssh -L {port}:127.0.0.1:{port} {socket.gethostname()}"
-        console.print(
-            f"First, on your own machine: {tunnel}", highlight=False, markup=False, soft_wrap=True
-        )
-
-
-def _open(address: str) -> None:
-    import webbrowser
-
-    webbrowser.open(address)

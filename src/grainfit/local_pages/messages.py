@@ -1,0 +1,10 @@
+"""Messages of pages that are served on this machine."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+PORT_TAKEN = Message(
+    "{port} cannot be used: {reason}.",
+    "Choose another one, or leave it out: any free one is taken.",
+)
