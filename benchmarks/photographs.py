@@ -7,7 +7,7 @@ pictures that no one can measure. Finished pictures are kept in the file ``--kep
 repeated, so that the command can be stopped and started again.
 
     python benchmarks/photographs.py --kept benchmarks/data/photographs.jsonl [--pictures 300]
-        [--unusable 60] [--table]
+        [--unusable 60] [--first 0] [--table]
 
 Prints the error against the angle that the same fit finds on the true silhouettes of the flanks in
 view, the bias, how often the stated uncertainty covers it, and what was refused.
@@ -109,14 +109,18 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, required=True)
     parser.add_argument("--pictures", type=int, default=300)
     parser.add_argument("--unusable", type=int, default=60)
+    parser.add_argument("--first", type=int, default=0, help="number of the first picture")
     parser.add_argument("--table", action="store_true", help="print what is kept only")
     given = parser.parse_args()
     records = []
     if given.kept.exists():
         records = [json.loads(line) for line in given.kept.read_text().splitlines()]
     done = {(r["number"], r["good"]) for r in records}
-    wanted = [(n, True) for n in range(given.pictures)]
-    wanted += [(n, False) for n in range(given.unusable)]
+    first = given.first
+    wanted = [(n, True) for n in range(first, first + given.pictures)]
+    wanted += [(n, False) for n in range(first, first + given.unusable)]
+    # Some of both kinds, wherever the command is stopped.
+    wanted.sort(key=lambda one: one[0] if one[1] else first + (one[0] - first) * 5)
     for number, good in [] if given.table else wanted:
         if (number, good) in done:
             continue

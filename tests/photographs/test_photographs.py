@@ -175,3 +175,18 @@ def test_what_is_no_picture_is_named(tmp_path: Path) -> None:
     with pytest.raises(gf.InputError) as error:
         gf.photo(tmp_path / "none.jpg")
     assert messages.NO_FILE.is_in(str(error.value))
+
+
+# Upper and lower edge of the side of a plate are alike from here, and its far edge is faint.
+@pytest.mark.parametrize("number", [14, 16])
+def test_the_upper_edge_of_a_plate_is_found_and_not_the_lower_one(
+    tmp_path: Path, number: int
+) -> None:
+    shot, path = usable(number), tmp_path / "heap.jpg"
+    save(shot, path, exif=True)
+
+    found = gf.photo(path).heaps[0][0]
+
+    assert found.seen_by == "by the plate"
+    assert found.elevation == pytest.approx(shot.elevation, abs=0.4)
+    assert found.angle == pytest.approx(angle_in_view(shot), abs=0.5)

@@ -47,4 +47,5 @@ DAMAGED_ATLAS = Message(
 MARKER_SHEET = Message(
     "Wrote {path}.", "Print it at 100 %: its line is 100 mm long. Lay it flat and level."
 )
+EDIT_ONE = Message("is to be one picture.", "Edit one picture at a time.")
 NO_PICTURES = Message("is not given.", "Give pictures, or --marker FILE.pdf for the sheet.")

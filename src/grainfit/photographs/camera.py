@@ -153,6 +153,8 @@ def foot_of(
     middle: tuple[float, float],
     particle: float,
     up: Array | None = None,
+    *,
+    whole: bool = False,
 ) -> Foot:
     """Fit the circle of the outermost particles of a heap to the lower edge of its picture.
 
@@ -171,14 +173,16 @@ def foot_of(
         Particle diameter, pixels.
     up : ndarray of shape (3,), optional
         Upward direction, where it is known.
+    whole : bool
+        Whether places of the whole circle are given, as of a plate, and not of its front only.
     """
     left, right = arc[arc[:, 0].argmin()], arc[arc[:, 0].argmax()]
     half = max(float(np.hypot(*(right - left))) / 2 - particle / 2, 1.0)
     centre = (left + right) / 2
     roll = math.atan2(right[1] - left[1], right[0] - left[0])
     depth = max(float(arc[:, 1].max() - centre[1]), 1.0)
-    # The front, from left to right; the back is hidden.
-    turn = np.radians(np.linspace(172, 368, 99))
+    # The front, from left to right; the back of a heap is hidden.
+    turn = np.radians(np.linspace(0, 360, 181) if whole else np.linspace(172, 368, 99))
     offset = np.array(middle)
 
     def edge(guess: Array) -> tuple[Array, Array]:

@@ -13,6 +13,7 @@ from grainfit.errors import NotMeasurableError
 from grainfit.measurement.angle_of_repose import View, angle_of_repose_in, outline_depth
 from grainfit.measurement.silhouette import Silhouette
 from grainfit.photographs import messages
+from grainfit.photographs.by_hand import Points
 from grainfit.photographs.camera import (
     FOCAL_RANGE,
     USUAL_FOCAL,
@@ -24,10 +25,11 @@ from grainfit.photographs.camera import (
     true_angle,
     up_from,
 )
+from grainfit.photographs.four_points import Rectangle, rectangle_of
 from grainfit.photographs.marker import MarkerSheet, find_marker_sheet
 from grainfit.photographs.pictures import Picture, opencv
-from grainfit.photographs.plate import Plate, find_plate
-from grainfit.photographs.separation import EDGE_LEVEL, Separated, separate
+from grainfit.photographs.plate import Plate, Rim, drawn_rim, find_rim
+from grainfit.photographs.separation import EDGE_LEVEL, Separated, drawn_outline, separate
 
 #: Flanks are seen up to the angle less this, degrees.
 FLANKS_VANISH = 8.0
@@ -49,12 +51,23 @@ _INDEPENDENT = 1.2
 _FINEST = 1.5
 #: Standard uncertainty of an angle by the pixels, the lens and the compression, degrees.
 _PICTURE = 0.2
+#: Standard uncertainty of an angle by an outline that is drawn by hand, degrees.
+_BY_HAND = 0.5
 #: A foot wider than the flanks by this factor is not theirs: a plate, or a shadow.
 _WIDER_FOOT = 1.3
 
 #: What tells the elevation of the camera, in words, and in a sentence.
-_SEEN_BY = {type(None): "by its foot", Plate: "by the plate", MarkerSheet: "by the marker sheet"}
-_TOLD_BY = {Plate: "the edge of the plate", MarkerSheet: "the marker sheet"}
+_SEEN_BY = {
+    type(None): "by its foot",
+    Plate: "by the plate",
+    MarkerSheet: "by the marker sheet",
+    Rectangle: "by four points",
+}
+_TOLD_BY = {
+    Plate: "the edge of the plate",
+    MarkerSheet: "the marker sheet",
+    Rectangle: "the four points",
+}
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -76,10 +89,10 @@ class HeapInPicture:
         Of the camera above the horizontal, seen from the apex, and its standard uncertainty,
         degrees.
     plate : Plate, MarkerSheet or None
-        The plate or the sheet of markers, where it is seen.
+        The plate, the sheet of markers or the rectangle, where it is seen.
     seen_by : str
         What the elevation follows from: the sheet, the plate, the foot of the heap, or what is
-        given.
+        given; and what was drawn by hand.
     roll : float
         By which the picture was turned, degrees.
     silhouette : Silhouette
@@ -147,6 +160,8 @@ def measure_heap(
     elevation: float | None = None,
     plate_diameter: float | None = None,
     diameter: float | None = None,
+    rectangle: tuple[float, float] | None = None,
+    seen: Seen | None = None,
 ) -> HeapInPicture:
     """Measure the angle of repose of the heap in a picture.
 
@@ -159,40 +174,50 @@ def measure_heap(
         foot of the heap, if not given.
     plate_diameter, diameter : float, optional
         Of the plate, by which lengths are known, and of the particles, m.
+    rectangle : pair of float, optional
+        Sides of the rectangle whose corners are given by hand, m.
+    seen : Seen, optional
+        What is found without a camera, if it has been found before.
 
     Raises
     ------
     NotMeasurableError
         The picture cannot be measured, and why.
     """
-    separated = separate(picture.colours)
-    mask = separated.mask()
-    usual = USUAL_FOCAL * max(picture.colours.shape[:2])
-    focal = picture.focal or usual
-    foot, error, plate = _seen_from(picture, mask, focal, elevation)
-    lengths = _lengths(plate, plate_diameter, foot, focal, mask)
+    seen = seen or Seen()
+    seen.look(picture)
+    separated, mask = seen.separated, seen.mask
+    focal = picture.focal or USUAL_FOCAL * max(picture.colours.shape[:2])
+
+    def camera_of(focal: float) -> tuple[Foot, float, Plate | MarkerSheet | None]:
+        return _seen_from(picture, seen, focal, elevation, rectangle)
+
+    foot, error, plate = camera_of(focal)
+    lengths = _lengths(plate, plate_diameter, foot, focal, picture.middle, mask)
     scale = lengths[0] if lengths else None
     particle = diameter / scale if diameter and scale else None
-    found = _angle(mask, focal, foot, particle)
+    axis = picture.by_hand.axis[0] if picture.by_hand.axis else None
+    found = _angle(mask, Camera(focal, picture.middle, foot.up), foot.middle, particle, axis)
     _require_flanks(found.angle, found.elevation, error)
     _require_foot(found)
 
     def other(mask: Mask = mask, focal: float = focal, foot: Foot = foot, size: float = 1) -> float:
-        return _angle(mask, focal, foot, size * found.diameter).angle
+        camera = Camera(focal, picture.middle, foot.up)
+        return _angle(mask, camera, foot.middle, size * found.diameter, axis).angle
 
-    parts = {"picture": _PICTURE, "outline": _unsure_outline(separated, found.angle, other)}
+    parts = {"picture": _PICTURE, "outline": _BY_HAND}
+    if not picture.by_hand.outline:
+        parts["outline"] = _unsure_outline(separated, found.angle, other)
     parts["elevation"] = _unsure_elevation(found.angle, found.elevation, error)
     if particle is None:
         parts["particle size"] = abs(other(size=1 + _ESTIMATED) - found.angle)
     if picture.focal is None:
         focals = [limit * max(picture.colours.shape[:2]) for limit in FOCAL_RANGE]
-        angles = [
-            other(focal=length, foot=_seen_from(picture, mask, length, elevation)[0])
-            for length in focals
-        ]
+        angles = [other(focal=length, foot=camera_of(length)[0]) for length in focals]
         # Any focal length within the range is as likely as another.
         parts["focal length"] = (max(angles) - min(angles)) / math.sqrt(12)
     up = foot.up
+    how = "given" if elevation is not None else _SEEN_BY[type(plate)]
     return HeapInPicture(
         picture,
         found.angle,
@@ -200,7 +225,7 @@ def measure_heap(
         found.elevation,
         error,
         plate,
-        "given" if elevation is not None else _SEEN_BY[type(plate)],
+        ", ".join(words for words in (how, picture.by_hand.words) if words),
         math.degrees(math.atan2(up[0], -up[1])),
         found.silhouette,
         found.view,
@@ -214,27 +239,78 @@ def measure_heap(
     )
 
 
+class Seen:
+    """What is found on a picture without a camera: the heap, and the edge of the plate.
+
+    Parts that were drawn by hand are taken as drawn; the others are found once.
+    """
+
+    def __init__(self) -> None:
+        self._drawn: tuple[Points, Points] | None = None
+        self._automatic: Separated | None = None
+        self._rims: dict[Points, Rim | None] = {}
+        self.separated: Separated
+        self.mask: Mask
+        self.rim: Rim | None = None
+
+    def look(self, picture: Picture) -> None:
+        """Find what has not been found yet.
+
+        Raises
+        ------
+        NotMeasurableError
+            There is no heap.
+        """
+        drawn = picture.by_hand
+        if self._drawn == (drawn.outline, drawn.plate):
+            return
+        rows, columns = picture.colours.shape[:2]
+        if drawn.outline:
+            self.separated = drawn_outline(drawn.outline, (rows, columns))
+        else:
+            self._automatic = self._automatic or separate(picture.colours)
+            self.separated = self._automatic
+        self.mask = self.separated.mask()
+        if drawn.plate:
+            self.rim = drawn_rim(*np.array(drawn.plate))
+        else:
+            if drawn.outline not in self._rims:
+                # With an outline that is being dragged, every one is another.
+                self._rims = {drawn.outline: find_rim(picture.colours, self.mask)}
+            self.rim = self._rims[drawn.outline]
+        self._drawn = (drawn.outline, drawn.plate)
+
+
 def _seen_from(
-    picture: Picture, mask: Mask, focal: float, stated: float | None
+    picture: Picture,
+    seen: Seen,
+    focal: float,
+    stated: float | None,
+    rectangle: tuple[float, float] | None,
 ) -> tuple[Foot, float, Plate | MarkerSheet | None]:
     """Return the foot, the standard uncertainty of the elevation, degrees, and sheet or plate.
 
     Where one of them is seen, or the elevation is stated, the foot follows from it.
     """
-    rows, columns = mask.shape
-    middle = ((columns - 1) / 2, (rows - 1) / 2)
-    particle = _particle(mask)
-    arc = _lower_edge(mask, particle)
+    middle, drawn = picture.middle, picture.by_hand
+    particle = _particle(seen.mask)
+    arc = _lower_edge(seen.mask, particle)
     foot = foot_of(arc, focal, middle, particle)
     error = math.hypot(foot.error, _NO_CIRCLE)
-    plate: Plate | MarkerSheet | None = find_marker_sheet(picture.colours, focal, middle)
-    if plate is None:
-        plate = find_plate(picture.colours, mask, focal, middle)
+    plate: Plate | MarkerSheet | None = None
+    if drawn.corners:
+        plate = rectangle_of(drawn.corners, focal, middle, rectangle)
+    elif not drawn.plate:
+        plate = find_marker_sheet(picture.colours, focal, middle)
+    if plate is None and seen.rim is not None:
+        plate = seen.rim.plate(focal, middle)
     better = foot
     if plate is not None:
         better = foot_of(arc, focal, middle, particle, plate.up)
         spread = math.hypot(error, plate.error)
-        _require_agreement(foot.elevation, better.elevation, spread, _TOLD_BY[type(plate)])
+        # What is drawn by hand needs no witness.
+        if not (drawn.corners or drawn.plate):
+            _require_agreement(foot.elevation, better.elevation, spread, _TOLD_BY[type(plate)])
         error = plate.error
     if stated is not None:
         _require_agreement(better.elevation, stated, math.hypot(error, _STATED), "what is given")
@@ -249,6 +325,7 @@ def _lengths(
     plate_diameter: float | None,
     foot: Foot,
     focal: float,
+    middle: tuple[float, float],
     mask: Mask,
 ) -> tuple[float, float] | None:
     """Return the length of a pixel at the apex and its height above the plate, m, if known.
@@ -256,12 +333,12 @@ def _lengths(
     The camera is so high above the plane of the plate, and so far from the axis, which is taken to
     be over the middle of a plate, or of the foot on a sheet.
     """
+    if isinstance(plate, Rectangle) and math.isnan(plate.height):
+        return None
     if plate is None and plate_diameter is not None:
         raise NotMeasurableError(messages.NO_PLATE())
     if plate is None or not (isinstance(plate, MarkerSheet) or plate_diameter):
         return None
-    rows, columns = mask.shape
-    middle = ((columns - 1) / 2, (rows - 1) / 2)
     camera = Camera(focal, middle, plate.up)
     apex = _apex(mask, camera)
     above = math.radians(camera.elevation(apex))
@@ -300,8 +377,11 @@ def _lower_edge(mask: Mask, particle: float) -> Array:
     return np.column_stack([columns, rows]).astype(np.float64)[::every]
 
 
-def _particle(mask: Mask) -> float:
-    """Particle diameter by the roughness of the outline, pixels, on the flanks as they appear."""
+def _particle(mask: Mask, end: float = 0.0) -> float:
+    """Particle diameter by the roughness of the outline, pixels, on the flanks as they appear.
+
+    These end at a share of the height of the heap: below is the foot.
+    """
     columns = np.flatnonzero(mask.any(axis=0))
     outline = mask.shape[0] - np.argmax(mask[:, columns], axis=0).astype(np.float64)
     top = int(outline.argmax())
@@ -310,7 +390,7 @@ def _particle(mask: Mask) -> float:
     for side in (slice(None, top), slice(top, None)):
         heights, places = outline[side], columns[side].astype(np.float64)
         share = (heights - foot) / max(outline[top] - foot, 1.0)
-        flank = (share > 0.15) & (share < 0.85)
+        flank = (share > min(max(0.15, end + 0.05), 0.6)) & (share < 0.85)
         if flank.sum() > 20:
             found.append(_diameter_of(places[flank], heights[flank], float(columns[top])))
     return float(np.mean(found)) if found else _FINEST
@@ -335,11 +415,28 @@ def _diameter_of(places: Array, heights: Array, axis: float) -> float:
     return diameter
 
 
-def _angle(mask: Mask, focal: float, foot: Foot, diameter: float | None = None) -> _Found:
-    """Measure the angle on the mask of a heap, seen by a camera."""
+def _angle(
+    mask: Mask,
+    camera: Camera,
+    foot: tuple[float, float],
+    given: float | None = None,
+    drawn_axis: tuple[float, float] | None = None,
+) -> _Found:
+    """Measure the angle on the mask of a heap, seen by a camera.
+
+    Parameters
+    ----------
+    mask : ndarray of bool of shape (rows, columns)
+        Where the heap is.
+    camera : Camera
+        The camera.
+    foot, drawn_axis : tuple of float
+        Where the middle of its foot is, and its axis at the apex if it is drawn by hand: column
+        and row.
+    given : float, optional
+        Particle diameter, pixels; by the roughness of the outline if not given.
+    """
     cv2 = opencv()
-    rows, columns = mask.shape
-    camera = Camera(focal, ((columns - 1) / 2, (rows - 1) / 2), foot.up)
     apex = _apex(mask, camera)
     width = float(np.ptp(np.flatnonzero(mask.any(axis=0))))
     height = float(np.ptp(np.flatnonzero(mask.any(axis=1))))
@@ -349,25 +446,31 @@ def _angle(mask: Mask, focal: float, foot: Foot, diameter: float | None = None) 
     turn = camera.turned(apex, origin)
     upright = cv2.warpPerspective(mask.astype(np.uint8) * 255, turn, size, flags=cv2.INTER_LINEAR)
     upright = upright > 127
-    if diameter is None:
-        diameter = _particle(upright)
+    diameter = given or _particle(upright)
     outline = Silhouette(upright, 1.0).outline()
     smooth = _smoothed(outline, diameter)
     top = size[1] - float(np.nanmax(smooth))  # row of the apex
-    base = turn @ np.array([*foot.middle, 1.0])
+    base = turn @ np.array([*foot, 1.0])
     level = float(base[1] / base[2]) + diameter / 2
     elevation = camera.elevation(apex)
     # Height of the apex above the plate below it, in perspective.
     e, drop = math.radians(elevation), level - top
     scale = _turned_focal(camera, apex)
     tall = scale * drop / (scale * math.cos(e) - drop * math.sin(e))
-    axis = _axis(outline, size[1] - top, size[1] - level)
+    if drawn_axis is None:
+        axis = _axis(outline, size[1] - top, size[1] - level)
+    else:
+        place = turn @ np.array([*drawn_axis, 1.0])
+        axis = float(place[0] / place[2])
     apparent = _first_guess(outline, size[1] - top, size[1] - level)
     for _ in range(4):
         angle = true_angle(apparent, elevation)
         stretch = math.tan(math.radians(angle)) / math.tan(math.radians(apparent))
         silhouette = _stretched(upright, stretch, tall - stretch * (size[1] - top), axis)
-        ground = diameter + _end_of_flanks(angle, elevation, tall)
+        end = _end_of_flanks(angle, elevation, tall, scale)
+        if given is None:
+            diameter = _particle(upright, end / drop)
+        ground = diameter + tall - stretch * (drop - end)
         # From behind, the same outline is seen, mirrored: two flanks alone would be refused where
         # they differ by more than four degrees, as those of coarse heaps do.
         both = [silhouette, _mirrored(silhouette)]
@@ -447,10 +550,25 @@ def _mirrored(silhouette: Silhouette) -> Silhouette:
     return Silhouette(silhouette.image[:, ::-1], silhouette.pixel_size, -right, silhouette.bottom)
 
 
-def _end_of_flanks(angle: float, elevation: float, tall: float) -> float:
-    """Height below which the outline is the foot, and no flank, as from the side."""
-    sine = math.tan(math.radians(elevation)) / math.tan(math.radians(angle))
-    return tall * (1 - math.sqrt(max(1 - sine**2, 0.0)))
+def _end_of_flanks(angle: float, elevation: float, tall: float, focal: float) -> float:
+    """Height in the picture, above the middle of the foot, below which the outline is the foot.
+
+    The generators in view end behind the sides of the foot, farther from the camera than the apex,
+    which is `focal` pixels away; the picture is that of a camera that looks at it.
+    """
+    e, slope = math.radians(elevation), math.tan(math.radians(angle))
+    behind = min(math.tan(e) / slope, 1.0)
+    reach = tall / slope
+
+    def row(back: float) -> float:
+        """Row below the apex of a place at the level of the foot, so far behind the axis."""
+        return (
+            focal
+            * (tall * math.cos(e) - back * math.sin(e))
+            / (focal + back * math.cos(e) + tall * math.sin(e))
+        )
+
+    return row(0.0) - row(behind * reach)
 
 
 def _require_flanks(angle: float, elevation: float, error: float) -> None:
@@ -517,4 +635,4 @@ def _drawn(found: _Found) -> tuple[Array, Array, Array]:
     return lines[0], lines[1], found.back(ground)
 
 
-__all__ = ["EDGE_LEVEL", "FLANKS_VANISH", "HeapInPicture", "measure_heap"]
+__all__ = ["EDGE_LEVEL", "FLANKS_VANISH", "HeapInPicture", "Seen", "measure_heap"]

@@ -18,6 +18,7 @@ from grainfit.errors import NotMeasurableError
 from grainfit.files import in_place_of, write_atomically
 from grainfit.measurement.heap_size import averaged_outline
 from grainfit.photographs import messages
+from grainfit.photographs.by_hand import read_by_hand
 from grainfit.photographs.heap import Array, HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import Picture, opencv, read_picture
@@ -165,7 +166,10 @@ def measure_once(
     """
     with path.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
-    key = hashlib.sha256(json.dumps([digest, asdict(known)]).encode()).hexdigest()[:12]
+    # With what is drawn on it by hand, a picture is another one.
+    drawn = read_by_hand(path).to_plain()
+    what = [digest, asdict(known), *([drawn] if drawn else [])]
+    key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:12]
     name = f"{path.stem}_{key}"
     kept = _read(folder / f"{name}.json", digest)
     if kept is not None and (keep_version or kept.version == version_of_code()):
@@ -174,7 +178,7 @@ def measure_once(
     found: HeapInPicture | str
     try:
         found = measure_heap(picture, known.elevation, known.plate_diameter, known.diameter)
-        if known.marker and found.seen_by != "by the marker sheet":
+        if known.marker and not found.seen_by.startswith("by the marker sheet"):
             found = messages.NO_MARKER()
     except NotMeasurableError as error:
         found = str(error)

@@ -177,3 +177,35 @@ LEVEL = Message(
 )
 DRUM_ONLY = Message("is of use for a drum only.", "Add --test drum, or leave it out.")
 NOT_OF_DRUM = Message("is of no use for a drum.", "Leave it out.")
+
+# By hand.
+BY_HAND = Message("{drawn} drawn by hand")
+NO_PLACES = Message("places on a picture are pairs of numbers.")
+OTHER_COUNT = Message("{name} has {count} points, or is no part that can be drawn.")
+DAMAGED = Message(
+    "{path}: cannot be read ({reason}).",
+    "Remove it, and draw again: grainfit photo --edit PICTURE.",
+)
+OTHER_PICTURE = Message(
+    "{path}: was drawn on another picture than {picture}.",
+    "Remove it, and draw again: grainfit photo --edit PICTURE.",
+)
+NO_RECTANGLE = Message(
+    "the four points are no corners of a rectangle.",
+    "Give the four corners of a level rectangle that is seen wholly.",
+)
+NOT_LEVEL = Message(
+    "the four points are not those of a rectangle by this camera: its sides would not be at right "
+    "angles.",
+    "Give the corners of a level rectangle in a picture with EXIF data that is not cropped.",
+)
+OTHER_SHAPE = Message(
+    "the four points are those of a rectangle with sides in the ratio {ratio:.2f}, not of the one "
+    "that is given.",
+    "Look at the points and at the sides (--rectangle).",
+)
+ONE_PICTURE = Message("is for one picture.", "Measure the pictures one by one, or use --edit.")
+NO_POINTS = Message(
+    "is {given!r}.", 'Give four points in pixels: "412,880 1190,871 1402,1015 250,1030".'
+)
+NO_SIDES = Message("is {given!r}.", 'Give two lengths: "297 mm x 210 mm".')

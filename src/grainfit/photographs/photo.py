@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, Protocol, get_args, overload
+from typing import Any, Literal, Protocol, get_args, overload
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from grainfit.evaluation import Response
 from grainfit.messages import Message
 from grainfit.one_line import one_line
 from grainfit.photographs import messages
+from grainfit.photographs.by_hand import ByHand
 from grainfit.photographs.drum_photo import PhotographedDrum, photo_drum
 from grainfit.photographs.heap import HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
-from grainfit.photographs.pictures import is_picture, opencv, read_picture
+from grainfit.photographs.pictures import Picture, is_picture, opencv, read_picture
 from grainfit.photographs.videos import is_video
 from grainfit.tables import Summary, TextTable
 from grainfit.units import UnitError, to_unit
@@ -100,6 +101,8 @@ def photo(
     diameter: str | float | None = ...,
     plate: str | float | None = ...,
     elevation: str | float | None = ...,
+    points: Sequence[tuple[float, float]] | None = ...,
+    rectangle: tuple[str | float, str | float] | None = ...,
     overlays: PathLike | None = ...,
 ) -> PhotographedHeaps: ...
 
@@ -124,9 +127,14 @@ def photo(
     elevation: str | float | None = None,
     drum: str | float | None = None,
     level: str | float | None = None,
+    points: Sequence[tuple[float, float]] | None = None,
+    rectangle: tuple[str | float, str | float] | None = None,
     overlays: PathLike | None = None,
 ) -> PhotographedHeaps | PhotographedDrum:
     """Measure angles on photographs and videos, by the code that measures simulated tests.
+
+    What was drawn on a picture by hand (``grainfit photo --edit PICTURE``) is taken from the file
+    beside it.
 
     Parameters
     ----------
@@ -147,6 +155,11 @@ def photo(
     level : str or float, optional
         Standard uncertainty of how level the camera before a drum is; 0.5 degrees if neither the
         marker sheet nor a drum that turns the other way tells it.
+    points : sequence of four pairs of float, optional
+        Corners of a level rectangle in the picture, in any order: columns and rows, pixels. They
+        tell the elevation and the roll where there is no marker sheet. For one picture.
+    rectangle : pair of str or float, optional
+        Sides of that rectangle, such as ``("297 mm", "210 mm")``, or in m: the known length.
     overlays : path, optional
         Folder for a copy of every picture with what was found drawn on it.
 
@@ -165,7 +178,13 @@ def photo(
     opencv()
     if test not in get_args(Photographed):
         raise InputError(messages.OTHER_TEST.fault("test", test=test))
-    of_heap = {"diameter": diameter, "plate": plate, "elevation": elevation}
+    of_heap = {
+        "diameter": diameter,
+        "plate": plate,
+        "elevation": elevation,
+        "points": points,
+        "rectangle": rectangle,
+    }
     of_drum = {"drum": drum, "level": level}
     if test == "drum":
         _require_none(of_heap, messages.NOT_OF_DRUM)
@@ -173,7 +192,8 @@ def photo(
         known_diameter = _number("drum", drum, "m")
         return photo_drum(_groups(pictures), known_diameter, _number("level", level, "deg"), folder)
     _require_none(of_drum, messages.DRUM_ONLY)
-    return _photo_heaps(pictures, of_heap, overlays)
+    known = known_of(diameter, plate, elevation, rectangle)
+    return _photo_heaps(pictures, known, points, overlays)
 
 
 def _require_none(options: Mapping[str, object], said: Message) -> None:
@@ -184,21 +204,20 @@ def _require_none(options: Mapping[str, object], said: Message) -> None:
 
 def _photo_heaps(
     pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
-    options: Mapping[str, str | float | None],
+    known: dict[str, Any],
+    points: Sequence[tuple[float, float]] | None,
     overlays: PathLike | None,
 ) -> PhotographedHeaps:
-    known = {
-        "elevation": _number("elevation", options["elevation"], "deg"),
-        "plate_diameter": _number("plate", options["plate"], "m"),
-        "diameter": _number("diameter", options["diameter"], "m"),
-    }
-    if known["diameter"] is not None and known["plate_diameter"] is None:
-        raise InputError(messages.NO_LENGTH.fault("diameter"))
     heaps, refused = [], {}
-    for group in _groups(pictures):
+    groups = _groups(pictures)
+    if points is not None and sum(map(len, groups)) > 1:
+        raise InputError(messages.ONE_PICTURE.fault("points"))
+    for group in groups:
         heap = []
         for path in group:
             picture = read_picture(path)
+            if points is not None:
+                picture = with_points(picture, points)
             found: HeapInPicture | str
             try:
                 found = measure_heap(picture, **known)
@@ -216,6 +235,55 @@ def _photo_heaps(
         )
     response, parts = mean_of_heaps(heaps)
     return PhotographedHeaps(response, tuple(heaps), parts, refused)
+
+
+def with_points(picture: Picture, points: Sequence[tuple[float, float]]) -> Picture:
+    """Return a picture with the corners of a rectangle, pixels of its file.
+
+    Raises
+    ------
+    InputError
+        They are not four places.
+    """
+    try:
+        given = ByHand.from_plain({"corners": [list(point) for point in points]})
+    except (ValueError, TypeError):
+        raise InputError(messages.NO_POINTS.fault("points", given=points)) from None
+    corners = given.scaled(picture.reduced).corners
+    return replace(picture, by_hand=replace(picture.by_hand, corners=corners))
+
+
+def known_of(
+    diameter: str | float | None = None,
+    plate: str | float | None = None,
+    elevation: str | float | None = None,
+    rectangle: Sequence[str | float] | None = None,
+) -> dict[str, Any]:
+    """Return what is known of a picture as `measure_heap` takes it, in m and degrees.
+
+    Raises
+    ------
+    InputError
+        A value is impossible, or of no use.
+    """
+    known = {
+        "elevation": _number("elevation", elevation, "deg"),
+        "plate_diameter": _number("plate", plate, "m"),
+        "diameter": _number("diameter", diameter, "m"),
+    }
+    sides = None if rectangle is None else _sides(rectangle)
+    if known["diameter"] is not None and known["plate_diameter"] is None and sides is None:
+        raise InputError(messages.NO_LENGTH.fault("diameter"))
+    return {**known, "rectangle": sides}
+
+
+def _sides(given: Sequence[str | float]) -> tuple[float, float]:
+    if isinstance(given, str) or len(given) != 2:
+        raise InputError(messages.NO_SIDES.fault("rectangle", given=given))
+    first, second = (_number("rectangle", one, "m") for one in given)
+    assert first is not None
+    assert second is not None
+    return first, second
 
 
 def _number(key: str, given: str | float | None, unit: str) -> float | None:

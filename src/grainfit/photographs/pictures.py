@@ -14,6 +14,7 @@ from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 from grainfit.errors import InputError
 from grainfit.extras import import_extra
 from grainfit.photographs import messages
+from grainfit.photographs.by_hand import NOTHING_DRAWN, ByHand, read_by_hand
 
 #: Formats, by the ends of their names.
 SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".heic", ".heif")
@@ -37,11 +38,23 @@ class Picture:
         Red, green and blue.
     focal : float or None
         Focal length, pixels; None where the file does not tell it.
+    by_hand : ByHand
+        What was drawn on it, in this size.
+    reduced : float
+        Its size over that of the file.
     """
 
     path: Path
     colours: NDArray[np.uint8]
     focal: float | None
+    by_hand: ByHand = NOTHING_DRAWN
+    reduced: float = 1.0
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Where the optical axis is: column and row."""
+        rows, columns = self.colours.shape[:2]
+        return ((columns - 1) / 2, (rows - 1) / 2)
 
 
 def opencv() -> Any:
@@ -57,10 +70,12 @@ def is_picture(path: Path) -> bool:
 def read_picture(path: Path) -> Picture:
     """Read a picture, upright as its EXIF data say, and reduce it to the working size.
 
+    What was drawn on it by hand is in a file beside it.
+
     Raises
     ------
     InputError
-        It cannot be read, or needs the extra ``photos``.
+        It cannot be read, or needs the extra ``photos``; what was drawn is of another picture.
     """
     cv2 = opencv()
     if path.suffix.lower() in (".heic", ".heif"):
@@ -75,13 +90,14 @@ def read_picture(path: Path) -> Picture:
         raise InputError(messages.UNREADABLE.fault("", path=path, reason=error)) from error
     colours = np.asarray(upright)
     rows, columns = colours.shape[:2]
-    factor = WORKING_LENGTH / max(rows, columns)
+    factor = min(WORKING_LENGTH / max(rows, columns), 1.0)
     if factor < 1:
         size = (round(columns * factor), round(rows * factor))
         colours = cv2.resize(colours, size, interpolation=cv2.INTER_AREA)
     if focal is not None:
         focal *= math.hypot(*colours.shape[:2]) / _FILM_DIAGONAL
-    return Picture(path, colours, focal)
+    drawn = read_by_hand(path).scaled(factor)
+    return Picture(path, colours, focal, drawn, factor)
 
 
 def _focal_length(image: Image.Image) -> float | None:

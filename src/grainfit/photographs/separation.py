@@ -9,6 +9,7 @@ line between table and backdrop matters.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,6 +83,25 @@ class Separated:
         _, labels = cv2.connectedComponents(found)
         heap = labels == np.bincount(labels[inside]).argmax()
         return _filled(heap)
+
+
+def drawn_outline(corners: Sequence[tuple[float, float]], shape: tuple[int, int]) -> Separated:
+    """Return the heap within an outline that was drawn by hand on a picture of some shape.
+
+    Raises
+    ------
+    NotMeasurableError
+        It is too small.
+    """
+    cv2 = opencv()
+    found = np.zeros(shape, np.uint8)
+    cv2.fillPoly(found, [np.round(np.array(corners)).astype(np.int32)], 1)
+    inside = found.astype(bool)
+    columns = np.flatnonzero(inside.any(axis=0))
+    width = float(np.ptp(columns)) if len(columns) else 0.0
+    if width < _SMALLEST:
+        raise NotMeasurableError(messages.SMALL(width=width, needed=_SMALLEST))
+    return Separated(np.zeros(shape, np.float32), inside, np.zeros(shape, np.bool_))
 
 
 def separate(colours: NDArray[np.uint8]) -> Separated:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from grainfit.cli import console as show
 from grainfit.cli import messages
 from grainfit.cli.consoles import err_remarks, out
+from grainfit.cli.local_page import OpenPage, Port, serve_page
 from grainfit.errors import InputError
 
 
@@ -54,6 +55,29 @@ def photo(
             "nothing tells it.",
         ),
     ] = None,
+    points: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y X,Y X,Y X,Y",
+            help="Corners of a level rectangle in a picture without marker sheet, pixels.",
+        ),
+    ] = None,
+    rectangle: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH x LENGTH", help='Its sides, such as "297 mm x 210 mm": a known length.'
+        ),
+    ] = None,
+    edit: Annotated[
+        bool,
+        typer.Option(
+            "--edit",
+            help="Serve a page on this machine on which plate line, axis, outline and four points "
+            "of one picture can be drawn by hand.",
+        ),
+    ] = False,
+    port: Port = 0,
+    open_page: OpenPage = False,
     overlays: Annotated[
         Path, typer.Option(metavar="DIR", help="Where pictures with what was found are written.")
     ] = Path("overlays"),
@@ -80,10 +104,38 @@ def photo(
         return
     if not pictures:
         raise InputError(messages.NO_PICTURES.fault("PICTURE"))
+    known: dict[str, Any] = {"diameter": diameter, "plate": plate, "elevation": elevation}
+    corners = None if points is None else _corners(points)
+    sides = None if rectangle is None else rectangle.split("x")
+    known |= {"points": corners, "rectangle": sides}
+    if edit:
+        _edit(pictures, port, open_page, known)
+        return
     with err_remarks.status("photographs"):
         from grainfit.photographs.photo import photo as measured
 
-        of_heap = {"diameter": diameter, "plate": plate, "elevation": elevation}
-        of_drum = {"drum": drum, "level": level}
-        found = measured(pictures, test, **of_heap, **of_drum, overlays=overlays)
+        known |= {"drum": drum, "level": level, "overlays": overlays}
+        found = measured(pictures, test, **known)
     show.print_parts(out, found.summary())
+
+
+def _corners(given: str) -> list[tuple[float, float]]:
+    from grainfit.photographs.messages import NO_POINTS
+
+    try:
+        corners = [tuple(map(float, place.split(","))) for place in given.split()]
+    except ValueError:
+        corners = []
+    if len(corners) != 4 or any(len(place) != 2 for place in corners):
+        raise InputError(NO_POINTS.fault("points", given=given))
+    return [(place[0], place[1]) for place in corners]
+
+
+def _edit(pictures: list[Path], port: int, open_page: bool, known: dict[str, Any]) -> None:
+    """Serve the page of one picture until Ctrl-C."""
+    from grainfit.local_pages.server import listen
+    from grainfit.photo_page.server import PhotoServer
+
+    if len(pictures) != 1 or pictures[0].is_dir():
+        raise InputError(messages.EDIT_ONE.fault("PICTURE"))
+    serve_page(PhotoServer(pictures[0], listen(port), **known), "Edit", open_page)
