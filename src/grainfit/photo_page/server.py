@@ -107,8 +107,10 @@ class PhotoServer(LocalServer):
         if self._seen.rim is not None and edge is None:
             edge = self._seen.rim.edge
         if edge is not None:
-            ends = (edge[:, 0].argmin(), edge[:, 0].argmax(), edge[:, 1].argmax())
-            parts["plate"] = [edge[end].tolist() for end in ends]
+            left, right = edge[edge[:, 0].argmin()], edge[edge[:, 0].argmax()]
+            down = np.array([left[1] - right[1], right[0] - left[0]])
+            front = edge[(edge @ down).argmax()]
+            parts["plate"] = [place.tolist() for place in (left, right, front)]
         if found is not None:
             outline = _simplified(found.outline)
             parts["outline"] = outline.tolist()
