@@ -225,7 +225,8 @@ class _Steps:
         outer = sums[:, middle + 4] - sums[:, middle + 1]
         inner = sums[:, middle] - sums[:, middle - 3]
         steps = np.linalg.norm(outer - inner, axis=2) / 3
-        shown: Mask = np.lib.stride_tricks.sliding_window_view(whole & ~heap, 7, axis=1).all(axis=2)
+        windows = np.lib.stride_tricks.sliding_window_view(whole & ~heap, 7, axis=1)
+        shown: Mask = np.asarray(windows.all(axis=2))
         return np.where(shown, steps, 0.0), shown[:, reach]
 
 
