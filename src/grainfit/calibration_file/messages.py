@@ -78,6 +78,24 @@ EARLIER_CODE = Message(
     "To measure again, remove {folder}.",
 )
 
+# Balances.
+WEIGHED = Message("{file}: {response} {value:.4g} {unit}")
+NO_DISCHARGE = Message(
+    "its mass changes by {change:.3g} g from its beginning to its end, which is no discharge.",
+    "Name the column of the mass (y), or take another record.",
+)
+BOTH_WAYS = Message(
+    "its mass goes up and down.",
+    "Cut the record to one discharge, from before the outlet is opened until after the end.",
+)
+NO_END = Message(
+    "its mass changes until the last line.", "Record on until after the end of the discharge."
+)
+ONE_RECORD = Message(
+    "names one record, whose uncertainty as a curve is not known.",
+    'Give records of two or more discharges, or the curve with its uncertainty: curve = "...".',
+)
+
 # Twins.
 TWINS_AND_RELATIVES = Message(
     "is given beside {keys}: the real apparatus is not simulated in the search, so that relatives "

@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fnmatch import fnmatch
 from pathlib import Path
 from shutil import copy2
@@ -20,7 +20,7 @@ from grainfit.calibration_file.photographed import PhotographedTarget
 from grainfit.calibration_file.targets import Deviation, PlannedTargetTable, TargetTable, absolute
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.files import is_file, is_folder, write_atomically
-from grainfit.options.kinds import Choice, Flag, Kind, OneOrMore, Quantity, Schema, Text
+from grainfit.options.kinds import Choice, Flag, OneOrMore, Quantity, Text
 from grainfit.options.places import Place, dotted, show
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import CurveTarget, Target
@@ -42,37 +42,13 @@ LIST_NAME = "pictures.json"
 _MOST_SEARCHED = 300
 
 
-@dataclass(frozen=True)
-class OrPhotos(Kind):
-    """A target that is given by numbers or a table, or measured on photographs.
-
-    Parameters
-    ----------
-    otherwise : TargetTable or CurveTable
-        Kind of the target without photographs.
-    """
-
-    otherwise: TargetTable | CurveTable
-
-    def read(self, value: Any, place: Place) -> Target | CurveTarget | PlannedTarget | None:
-        """Measure the photographs, where the target names some."""
-        kind: Kind = self.otherwise
-        if isinstance(value, dict) and PHOTOS in value:
-            kind = self._photos
-        found: Target | CurveTarget | PlannedTarget | None = kind.read(value, place)
-        return found
-
-    @property
-    def _photos(self) -> Table:
-        if isinstance(self.otherwise, CurveTable):
-            return Table(_photo_keys(self.otherwise.unit), _curve)
-        of_number = (*_photo_keys("deg"), *_OF_NUMBER)
-        planned = isinstance(self.otherwise, PlannedTargetTable)
-        return Table(of_number, _planned if planned else _number)
-
-    def schema(self) -> Schema:
-        """Return the JSON Schema of both forms."""
-        return {"oneOf": [self.otherwise.schema(), self._photos.schema()]}
+def photo_table(otherwise: TargetTable | CurveTable) -> Table:
+    """Return the keys of a target that photographs tell, of the same response as another kind."""
+    if isinstance(otherwise, CurveTable):
+        return Table(_photo_keys(otherwise.unit), _curve)
+    of_number = (*_photo_keys("deg"), *_OF_NUMBER)
+    planned = isinstance(otherwise, PlannedTargetTable)
+    return Table(of_number, _planned if planned else _number)
 
 
 _OF_NUMBER = (

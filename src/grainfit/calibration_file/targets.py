@@ -123,6 +123,34 @@ class PlannedTargetTable(TargetTable):
         return PlannedTarget(values.get("value"), Accuracy(*given) if given else None)
 
 
+@dataclass(frozen=True)
+class OrMeasured(Kind):
+    """A target that is given, or is measured when the file is read.
+
+    Parameters
+    ----------
+    otherwise : Kind
+        Kind of the target that is given.
+    key : str
+        Key that names what is measured.
+    measured : Table
+        Keys of the target that is measured.
+    """
+
+    otherwise: Kind
+    key: str
+    measured: Table
+
+    def read(self, value: Any, place: Place) -> Any:
+        """Measure, where the key is there."""
+        kind = self.measured if isinstance(value, dict) and self.key in value else self.otherwise
+        return kind.read(value, place)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of both forms."""
+        return {"oneOf": [self.otherwise.schema(), self.measured.schema()]}
+
+
 #: Keys that are deviations from the value.
 _WIDTHS = ("uncertainty", "systematic", "tolerance")
 _OWN_UNIT = Key("unit", Text(), "Unit of the response as your model yields it, for people.")

@@ -11,6 +11,7 @@ from typing import Any, Literal
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
+from grainfit.calibration_file.balances import BALANCE, WEIGHED, balance_table
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
 from grainfit.calibration_file.curves import (
@@ -23,8 +24,8 @@ from grainfit.calibration_file.curves import (
     RefusedCurve,
 )
 from grainfit.calibration_file.instruments import apparatus_key, with_instrument
-from grainfit.calibration_file.photos import PHOTOGRAPHED, OrPhotos
-from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
+from grainfit.calibration_file.photos import PHOTOGRAPHED, PHOTOS, photo_table
+from grainfit.calibration_file.targets import OrMeasured, PlannedTargetTable, TargetTable
 from grainfit.formatting import in_a_row
 from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong_kind
 from grainfit.options.places import Place, show
@@ -89,15 +90,13 @@ def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
         allowed = kind.has_curves and use == "fit"
         curve: CurveTable | RefusedCurve = CurveTable() if allowed else refused
         return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
-    photographed = PHOTOGRAPHED.get(kind.name, ())
 
     def of_number(name: str, info: ResponseInfo) -> Kind:
-        number = table(info.possible)
-        return OrPhotos(number) if name in photographed else number
+        return _or_measured(kind, name, table(info.possible))
 
     def of_curve(name: str, info: CurveInfo) -> Kind:
         curve = CurveTable(info.unit, info.coordinate_unit, info.coordinate)
-        return OrPhotos(curve) if name in photographed else curve
+        return _or_measured(kind, name, curve)
 
     keys = tuple(
         Key(name, of_number(name, info), f"{info.words}.", example=info.example)
@@ -115,6 +114,15 @@ def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
     homes = _homes(lambda other: [*other.responses, *other.curves])
     table_of_targets = Table(keys + curves, homes=homes, answers=test.enter_instead)
     return table_of_targets, f"{{ {keys[-1].name} = {keys[-1].example} }}"
+
+
+def _or_measured(kind: TestType, response: str, otherwise: TargetTable | CurveTable) -> Kind:
+    """Return the kind of a target that may also be measured on photographs, or by a balance."""
+    if response in PHOTOGRAPHED.get(kind.name, ()):
+        return OrMeasured(otherwise, PHOTOS, photo_table(otherwise))
+    if response in WEIGHED and not isinstance(otherwise, PlannedTargetTable):
+        return OrMeasured(otherwise, BALANCE, balance_table(response))
+    return otherwise
 
 
 def _specification(kind: TestType, values: Values, place: Place) -> TestSpecification | None:

@@ -392,12 +392,20 @@ def _particle(mask: Mask, end: float = 0.0) -> float:
         share = (heights - foot) / max(outline[top] - foot, 1.0)
         flank = (share > min(max(0.15, end + 0.05), 0.6)) & (share < 0.85)
         if flank.sum() > 20:
-            found.append(_diameter_of(places[flank], heights[flank], float(columns[top])))
+            found.append(diameter_by_roughness(places[flank], heights[flank], float(columns[top])))
     return float(np.mean(found)) if found else _FINEST
 
 
-def _diameter_of(places: Array, heights: Array, axis: float) -> float:
-    """Return the particle diameter whose outline scatters about a line as this one."""
+def diameter_by_roughness(places: Array, heights: Array, axis: float) -> float:
+    """Return the particle diameter whose outline scatters about a line as this one.
+
+    Parameters
+    ----------
+    places, heights : ndarray of shape (n,)
+        Outline of one flank, in pixels.
+    axis : float
+        Place of the axis.
+    """
     line = np.polyfit(places, heights, 1)
     # A flank is slightly curved; that is no roughness.
     rest = heights - np.polyval(np.polyfit(places, heights, 2), places)
@@ -635,4 +643,11 @@ def _drawn(found: _Found) -> tuple[Array, Array, Array]:
     return lines[0], lines[1], found.back(ground)
 
 
-__all__ = ["EDGE_LEVEL", "FLANKS_VANISH", "HeapInPicture", "Seen", "measure_heap"]
+__all__ = [
+    "EDGE_LEVEL",
+    "FLANKS_VANISH",
+    "HeapInPicture",
+    "Seen",
+    "diameter_by_roughness",
+    "measure_heap",
+]

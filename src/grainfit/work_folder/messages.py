@@ -157,3 +157,29 @@ MATERIAL_UNREADABLE = Message(
 NO_MATERIAL_CARD = Message(
     "{path!r} is no material card: {why}.", "'grainfit export DIR --to json' writes one."
 )
+
+# Scans of heaps.
+NO_SCAN = Message(
+    "cannot be read as a scan: {reason}.",
+    "Export points or triangles as PLY, as XYZ (three numbers a line) or as STL.",
+)
+FEW_POINTS = Message(
+    "has {count} points, and {needed} are needed.", "Export the scan with a finer resolution."
+)
+COARSE_SCAN = Message(
+    "the points are too far apart: half of them show no flanks.",
+    "Export the scan with a finer resolution.",
+)
+NO_GROUND = Message(
+    "no ground is found: no plane has a twentieth of the points on it and the others on one side.",
+    "Scan the plate or the table around the heap as well, and cut off what is beside it.",
+)
+NO_HEAP_IN_SCAN = Message("nothing like a heap stands on the ground.", "Scan one heap, whole.")
+TWO_HEAPS_IN_SCAN = Message(
+    "two things stand on the ground, the second with {share:.0f} % of the area of the first.",
+    "Cut the scan to one heap and the ground around it.",
+)
+SIDES_MISSING = Message(
+    "the scan has no points on {share:.0f} % of the heap's sides.",
+    "Scan the heap from all sides.",
+)

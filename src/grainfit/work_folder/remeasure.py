@@ -22,6 +22,7 @@ from grainfit.photographs.photo import photo
 from grainfit.photographs.pictures import is_picture
 from grainfit.scenes.run_output import RunOutput
 from grainfit.work_folder import messages
+from grainfit.work_folder.heap_scan import is_scan, measure_scan
 
 #: Silhouettes of a heap in a dump: the default of the heap test.
 _VIEWS = 12
@@ -34,7 +35,7 @@ def measure_path(path: Path) -> Mapping[str, Measured]:
     ----------
     path : Path
         A folder that holds a run's ``run.json``, a LAMMPS or LIGGGHTS text dump of a heap that
-        stands on the plane z = 0, or a photograph of a heap.
+        stands on the plane z = 0, a photograph of a heap, or a scan of one.
 
     Raises
     ------
@@ -49,6 +50,11 @@ def measure_path(path: Path) -> Mapping[str, Measured]:
         return _test_of(path).measure(RunOutput(path))
     if not path.is_file():
         raise InputError(messages.NOTHING_TO_MEASURE.fault("", path=str(path)))
+    if is_scan(path):
+        try:
+            return {"angle_of_repose": measure_scan(path)}
+        except NotMeasurableError as error:
+            raise NotMeasurableError(f"{path}: {error}") from None
     if is_picture(path):
         return {"angle_of_repose": photo(path).angle_of_repose}
     particles = read_dump(path)

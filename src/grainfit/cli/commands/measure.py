@@ -14,10 +14,13 @@ from grainfit.cli.consoles import out
 def measure(
     path: Annotated[
         Path,
-        typer.Argument(metavar="PATH", help="A run folder, a dump of particles, or a photograph."),
+        typer.Argument(
+            metavar="PATH",
+            help="A run folder, a dump of particles, a photograph, or a scan (PLY, XYZ, STL).",
+        ),
     ],
 ) -> None:
-    """Measure the responses again, on the particles of a finished run; or a heap in a picture."""
+    """Measure the responses of a finished run again; or a heap in a picture, or in a scan."""
     from grainfit.work_folder.remeasure import absent_from, measure_path
 
     found = measure_path(path)
