@@ -146,7 +146,7 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
         for share, one in circles
         if share > _AS_CLEAR * seen and math.dist(one.middle, best.middle) < near
     ]
-    found = [one for one in found if not _is_cut_off(one, colours)]
+    found = [_of_shape(one, best) for one in found if not _is_cut_off(one, colours)]
     found.sort(key=lambda one: -one.half)
     if found[0].half < _SMALLEST and seen < _CLEAR:
         # Something round, such as particles beside each other.
@@ -155,6 +155,16 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
         shown = messages.SMALL_DRUM(width=2 * found[0].half, needed=2 * _SMALLEST)
         raise NotMeasurableError(shown)
     return found
+
+
+def _of_shape(circle: DrumCircle, best: DrumCircle) -> DrumCircle:
+    """Return a circle of the same size that is seen as obliquely as the clearest one.
+
+    The bed and its particles make the edge of the drum less sure than that of its rim.
+    """
+    size = math.sqrt(circle.half * circle.depth)
+    root = math.sqrt(best.depth / best.half)
+    return DrumCircle(circle.middle, size / root, size * root, best.turn)
 
 
 def is_steady(circle: DrumCircle, frames: Sequence[Colours]) -> bool:

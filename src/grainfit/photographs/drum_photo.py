@@ -28,8 +28,9 @@ from grainfit.tables import Summary, TextTable
 #: Standard uncertainty of the camera's being level, degrees: by default, by the marker sheet, and
 #: where the drum was filmed turning both ways.
 _LEVEL, _BY_SHEET, _BOTH_WAYS = 0.5, 0.2, 0.1
-#: Standard uncertainty of angles by pixels, lens, compression and circle, degrees.
-_PICTURE = 0.2
+#: Standard uncertainties of angles by pixels, lens, compression and circle, degrees: what is left
+#: of the errors on the first rendered videos of `benchmarks/photographed_drums.py`.
+_PICTURE = {"dynamic_angle": 0.6, "surface_angle": 0.9, "upper_angle": 1.0, "lower_angle": 1.2}
 
 
 @dataclass(frozen=True)
@@ -217,7 +218,7 @@ def _parts(name: str, series: Sequence[DrumSeries], level: float | None) -> dict
         parts["level"] = _BOTH_WAYS
     else:
         parts["level"] = _LEVEL if level is None else level
-    return {**parts, "picture": _PICTURE}
+    return {**parts, "picture": _PICTURE[name]}
 
 
 def _of_level(parts: dict[str, dict[str, float]]) -> float:

@@ -38,7 +38,7 @@ _MARGINS = (0.12, 0.05)
 #: Least mean difference of the logarithms just below and just above the surface.
 _CONTRAST = 1.8
 #: Ring within a circle, over its radius, whose colours are those within it, and by how much.
-_RING, _LIKE_WITHIN = (0.9, 0.95), 0.4
+_RING, _LIKE_WITHIN = (0.9, 0.95), 0.2
 #: Most of what is above the surface that may look like the bed.
 _SPECKS = 0.15
 #: Ends of the surface at which no height is measured, in radii from the middle.
