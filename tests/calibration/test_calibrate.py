@@ -90,6 +90,7 @@ def test_the_python_interface_calibrates_and_writes_its_result(tmp_path: Path) -
         "reused",
         "total",
         "warm_start_runs",
+        "sizes",
     }
     assert data["rayleigh_time_step"] is None
     assert data["wall_seconds"] > 0
