@@ -52,48 +52,42 @@ def told(name: str) -> Candidate:
 @pytest.mark.parametrize(
     ("other", "sliding", "rolling"),
     [
-        ("", 96, 36),
-        ("compression", 20, 14),
-        ("draw_down", 24, 14),
-        # Of `benchmarks/advice.py`, three seeds: 69 and 30 in the trials, which had another slot.
-        ("discharge", 32, 18),
-        ("drum", 41, 24),
+        ("", (96, 98), (29, 36)),
+        ("compression", (20, 26), (14, 15)),
+        ("draw_down", (20, 24), (12, 14)),
+        ("discharge", (32, 69), (18, 30)),
+        ("shear", (58, 77), (21, 28)),
+        ("drum", (30, 41), (18, 24)),
     ],
 )
-def test_a_heap_and_another_test_leave_what_the_trials_found(
-    other: str, sliding: float, rolling: float
+def test_a_heap_and_another_test_leave_what_trials_found(
+    other: str, sliding: tuple[float, float], rolling: tuple[float, float]
 ) -> None:
-    # Fisher information of 291 trial runs, docs/choosing_tests.md; each figure +-30 %.
+    # Fisher information of 291 trial runs and of 51 runs of each test (`benchmarks/advice.py`): the
+    # atlas is as far from them as 30 % beyond their difference.
     tests = [told(name) for name in ("heap", other) if name]
     responses = [r for test in tests for r in test.responses]
     errors = np.diag([r.variance() for r in responses])
     after = known().after([r.slopes for r in responses], errors)
-    assert 100 * after.deviation(SLIDING) == pytest.approx(sliding, rel=0.3)
-    assert 100 * after.deviation(ROLLING) == pytest.approx(rolling, rel=0.3)
+    for name, (low, high) in {SLIDING: sliding, ROLLING: rolling}.items():
+        assert 0.7 * low <= 100 * after.deviation(name) <= 1.3 * high
 
 
-def test_a_shear_test_helps_a_heap_less_than_a_draw_down() -> None:
-    # 77 beside 24 in the trials; 48 rows of a shear test are too few for the figure itself.
-    left = []
-    for other in ("shear", "draw_down"):
-        responses = [r for name in ("heap", other) for r in told(name).responses]
-        errors = np.diag([r.variance() for r in responses])
-        left.append(known().after([r.slopes for r in responses], errors).deviation(SLIDING))
-    assert left[0] > 1.3 * left[1]
-
-
-def test_a_plan_for_two_frictions_begins_with_a_pair_that_tells_them_apart() -> None:
+def test_a_plan_for_two_frictions_begins_with_tests_that_tell_them_apart() -> None:
     names = ("heap", "discharge", "packing", "compression", "draw_down")
     plan = rank_combinations(
-        [told(name) for name in names], known().without([RESTITUTION]), 0.41, {}, ""
+        [told(name) for name in names], known().without([RESTITUTION]), 0.5, [], ""
     )
     assert plan.best is not None
-    assert plan.best.name in ("heap + compression", "heap + draw_down")
+    best = {test.name for test in plan.best.tests}
+    assert "heap" in best
+    assert best & {"compression", "draw_down"}
     by_name = {c.name: c for c in plan.combinations}
-    assert by_name["heap + discharge"].coarser < 1
+    assert by_name["heap + packing"].coarser < 1
     assert by_name["heap"].coarser < 1
-    # A third test beside a pair that is enough is not offered.
-    assert f"{plan.best.name} + packing" not in by_name
+    # A further test beside those that are enough is not offered.
+    enough = [{test.name for test in c.tests} for c in plan.combinations if c.coarser >= 1]
+    assert not any(one < other for one in enough for other in enough)
 
 
 def one(slope: float, accuracy: float, name: str = "t", scatter: float = 0.0) -> Candidate:
