@@ -158,6 +158,19 @@ def is_unit(text: str) -> bool:
     return True
 
 
+#: Powers of mass, length and time in the units of responses, which are asked for without pint.
+_POWERS = {
+    "": (0, 0, 0),
+    "deg": (0, 0, 0),
+    "m": (0, 1, 0),
+    "s": (0, 0, 1),
+    "kg": (1, 0, 0),
+    "kg/s": (1, 0, -1),
+    "kg/m^3": (1, -3, 0),
+    "Pa": (1, -1, -2),
+}
+
+
 def powers(unit: str) -> tuple[int, int, int]:
     """Return the powers of mass, length and time in a unit.
 
@@ -173,6 +186,8 @@ def powers(unit: str) -> tuple[int, int, int]:
     >>> powers("deg")
     (0, 0, 0)
     """
+    if unit in _POWERS:
+        return _POWERS[unit]
     try:
         dimensions = dict(_parse(unit).dimensionality)
     except _NotAUnitError as error:

@@ -21,6 +21,7 @@ from grainfit.preview.scene_text import wall_text
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.command import Command
+from grainfit.which_test import messages
 from grainfit.which_test.narrowing import expected_narrowing
 from grainfit.work_folder.design import design
 
@@ -351,19 +352,19 @@ def test_a_measurement_is_proposed_for_the_friction_of_a_cylinder(tmp_path: Path
     note = next(note for note in found.notes if note.startswith(steel))
     assert "will not be determined by heap" in note
     assert "an inclined plane of the wall's material" in note
-    # No trial varied the friction of plates: nothing is promised of it.
-    assert found.narrowing.keys() >= {steel}
-    assert SLIDING not in found.narrowing
+    # The atlas varies the friction of plates, which matters.
+    assert found.narrowing[steel] > 0.95 > found.narrowing[SLIDING]
 
 
-def test_a_plan_of_tests_says_which_effect_is_not_recorded(tmp_path: Path) -> None:
+def test_a_plan_of_tests_says_of_which_effect_the_atlas_does_not_tell(tmp_path: Path) -> None:
     path = tmp_path / "calibration.toml"
     path.write_text(TWO_WALLS, encoding="utf-8")
     remarks = design(path, tests=["heap", "draw_down"]).remarks
 
-    assert f"The effect of {SLIDING} on heap is not recorded; --simulate finds it." in remarks
-    # The floor of a draw-down is by default of the walls, which were varied.
-    assert not any("on draw_down" in remark for remark in remarks)
+    rolling = SLIDING.replace("sliding", "rolling")
+    assert messages.EFFECT_ON_TEST_NOT_TOLD(name=rolling, test="heap") in remarks
+    # The floor of a draw-down is by default of the walls, which the atlas varies.
+    assert not any("does to draw_down" in remark for remark in remarks)
 
 
 def test_a_model_of_the_user_depends_on_the_walls_that_it_mentions(tmp_path: Path) -> None:

@@ -172,3 +172,9 @@ def test_units_are_recognised() -> None:
     assert is_unit("J/m^3")
     assert not is_unit("bananas")
     assert not is_unit("9^9^9")
+
+
+def test_powers_that_are_known_without_pint_are_those_of_pint() -> None:
+    # "1 * " has another spelling, which is parsed.
+    for unit, known in units._POWERS.items():
+        assert units.powers(f"kg*{unit}/kg" if unit else "kg/kg") == known

@@ -226,7 +226,7 @@ def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
     assert "STARTING VALUES for wheat" in written
     assert 'type = "drum"' in written
     refused = grainfit("new", "four.toml", "--material", "wood", folder=tmp_path, code=1)
-    assert "Use one of corn" in refused.stderr.replace("\n", " ")
+    assert "Use one that is near: " in refused.stderr.replace("\n", " ")
     assert not (tmp_path / "four.toml").exists()
 
 

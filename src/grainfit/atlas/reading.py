@@ -238,6 +238,10 @@ def _apparatus_inputs(
     usual[SIZE] = float(size ** (1 / varied.size_power))
     at_size = apparatus(kind, usual, scale).resolved_options()
     for name in varied.factors:
+        if given[name] is None:
+            raise NotInAtlasError(
+                messages.OTHER_OPTION(name=name, value="not there", usual=_shown(at_size[name]))
+            )
         usual[name] = given[name] / at_size[name]
     if is_nearest:
         return {name: usual[name] for name in (SIZE, *varied.factors)}

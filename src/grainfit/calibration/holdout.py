@@ -9,16 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
 from grainfit.bulk_tests.registry import response_info
 from grainfit.calibration import messages
 from grainfit.calibration.registrations import Draws, HoldoutFile
 from grainfit.calibration.scopes import restricted_to_used
-from grainfit.campaign.campaign import Campaign
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.designs import maximin_latin_hypercube
@@ -31,6 +30,10 @@ from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.seeds import holdout_seed
 from grainfit.verdict.options import HOLDOUT
+
+if TYPE_CHECKING:
+    # Imports the store, which a calibration file is read without.
+    from grainfit.campaign.campaign import Campaign
 
 #: Largest number of parameter sets over which a prediction is averaged: an end of its interval
 #: then lies at 2.5 ± 0.5 %.
@@ -225,6 +228,9 @@ def predict_holdout(
     """
     if (draws := file.draws(material.key)) is None:
         file.keep(draws := material.draws())
+    # Imports SciPy's distributions, which a calibration file is read without.
+    from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
+
     own, solver = restricted_to_used(material.problem, holdout.model)
     proposals = _proposals(material, draws)
     runs = _simulated(make(holdout, solver), [p for part in proposals for p in part], show)

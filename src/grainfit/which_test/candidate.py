@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.bulk_tests.response_info import ResponseInfo
+from grainfit.solvers.base import Solver
 from grainfit.which_test.knowledge import Knowledge
 
+#: Returns the accuracy of a response of a test, by their names; None if it is not measured.
+AccuracyOf = Callable[[str, str, ResponseInfo], Accuracy | None]
 #: Runs whose mean scatters as the expected response at the end of a calibration does.
 RUNS = 5
 
@@ -106,3 +110,9 @@ def knowledge_after(
 def names_of(tests: Sequence[Candidate]) -> str:
     """Return the names of tests that are measured together."""
     return " + ".join(test.name for test in tests)
+
+
+def seconds_of(solver: Solver, point: Mapping[str, float]) -> float:
+    """Return the estimated wall time of a run, s; 0 if it is unknown."""
+    cost = solver.estimate_cost(point)
+    return 0.0 if cost is None else cost.wall_seconds

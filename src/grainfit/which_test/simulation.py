@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from grainfit.bulk_tests.accuracy import Accuracy
-from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import InputError
@@ -18,14 +16,12 @@ from grainfit.solvers.base import Solver
 from grainfit.validation import as_number, whole_number_faults
 from grainfit.which_test import messages
 from grainfit.which_test.available import AvailableTests
-from grainfit.which_test.candidate import Candidate
+from grainfit.which_test.candidate import AccuracyOf, Candidate, seconds_of
 from grainfit.which_test.slopes import Cloud, Run, simulated_response
 
 #: Seeds of each parameter set: by default, and most where the time allows more.
 SEEDS, MOST_SEEDS = 2, 4
 Points = Sequence[Mapping[str, float]]
-#: Returns the accuracy of a response of a test, by their names; None if it is not measured.
-AccuracyOf = Callable[[str, str, ResponseInfo], Accuracy | None]
 
 
 class Simulated(NamedTuple):
@@ -161,12 +157,6 @@ def candidates_from_runs(
         else:
             failed[test] = _why_failed(test, evaluations)
     return found, failed
-
-
-def seconds_of(solver: Solver, point: Mapping[str, float]) -> float:
-    """Return the estimated wall time of a run, s; 0 if it is unknown."""
-    cost = solver.estimate_cost(point)
-    return 0.0 if cost is None else cost.wall_seconds
 
 
 def failure_remarks(tests: Collection[str], evaluations: Sequence[Evaluation]) -> list[str]:

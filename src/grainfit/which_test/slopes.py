@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import hadamard
-from scipy.stats import qmc
 
 from grainfit.atlas.expectation import ExpectedResponse
 from grainfit.bulk_tests.accuracy import Accuracy
@@ -24,8 +23,10 @@ _END = 0.05
 #: Standard errors below which a slope counts as none: of runs, and of the atlas, whose metamodels
 #: leave most of what chance makes out of their means.
 _BY_CHANCE, _BY_CHANCE_IN_ATLAS = 2.0, 1.0
-#: Members of an even spread, and of a cloud over which slopes by the atlas are taken.
-_SPREAD, _MEMBERS = 1024, 64
+#: Members of an even spread, and most of a cloud over which slopes by the atlas are taken.
+_MEMBERS = 128
+#: Rankings that take the correlations from an even spread.
+_RANKINGS = 4
 #: Smallest variance along a direction, over the largest: below it, the cloud is flat.
 _FLAT = 1e-9
 
@@ -62,7 +63,7 @@ class Cloud:
     @classmethod
     def even(cls, parameters: Sequence[Parameter]) -> Cloud:
         """Return an even spread over the intervals."""
-        unit = qmc.Sobol(len(parameters), rng=np.random.default_rng(1)).random(_SPREAD)
+        unit = _even_points(_MEMBERS, len(parameters))
         columns = [[p.from_unit(float(x)) for x in unit[:, i]] for i, p in enumerate(parameters)]
         return cls.of(tuple(parameters), np.array(columns).T)
 
@@ -113,6 +114,23 @@ class Cloud:
             chosen += [nearest_to_median(scaled, order[:size])]
             chosen += [nearest_to_median(scaled, order[-size:])]
         return list(dict.fromkeys(chosen))
+
+
+def _even_points(count: int, dimension: int) -> Array:
+    """Return points of the unit cube whose coordinates are even and not correlated, with mirrors.
+
+    A Latin hypercube that is ranked again without its correlations (Iman and Conover 1982,
+    *Communications in Statistics B* 11, 311-334), and its image at the middle of the cube: what
+    bends a response is in no slope then. SciPy's designs take half of the start of a check.
+    """
+    half = count // 2
+    random = np.random.default_rng(1)
+    ranks = np.stack([random.permutation(half) for _ in range(dimension)], axis=1)
+    for _ in range(_RANKINGS):
+        root = np.linalg.cholesky(np.atleast_2d(np.corrcoef(ranks, rowvar=False)))
+        ranks = np.linalg.solve(root, ranks.T).T.argsort(axis=0).argsort(axis=0)
+    points = (ranks + 0.5) / half
+    return np.vstack([points, 1.0 - points])
 
 
 def corners(dimension: int) -> Array:

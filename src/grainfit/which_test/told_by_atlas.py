@@ -13,9 +13,8 @@ from grainfit.contact_models.registry import COHESION
 from grainfit.materials.walls import plain_name
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
-from grainfit.which_test.candidate import Candidate, CandidateResponse
+from grainfit.which_test.candidate import AccuracyOf, Candidate, CandidateResponse, seconds_of
 from grainfit.which_test.determining_tests import BETTER_FIXED
-from grainfit.which_test.simulation import AccuracyOf, seconds_of
 from grainfit.which_test.slopes import Cloud, expected_response
 
 #: Returns the accuracy of a response of a test, by its name; None if it is not measured.

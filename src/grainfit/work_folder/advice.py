@@ -17,10 +17,11 @@ from grainfit.errors import InputError
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
 from grainfit.which_test.available import available_tests, material_of
+from grainfit.which_test.candidate import seconds_of
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
-from grainfit.which_test.simulation import Simulation, seconds_of
+from grainfit.which_test.simulation import Simulation
 from grainfit.which_test.slopes import Cloud
 from grainfit.which_test.told_by_atlas import are_dry_spheres, told_tests
 from grainfit.work_folder.saved_calibration import SavedCalibration

@@ -18,12 +18,12 @@ from grainfit.problem import Parameter
 from grainfit.validation import as_number
 from grainfit.which_test import messages
 from grainfit.which_test.available import AvailableTests, available_tests, material_of
-from grainfit.which_test.candidate import Candidate, knowledge_after
+from grainfit.which_test.candidate import AccuracyOf, Candidate, knowledge_after
 from grainfit.which_test.determining_tests import other_measurement
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.measurement_plan import MeasurementPlan, rank_combinations
-from grainfit.which_test.simulation import AccuracyOf, Simulation
+from grainfit.which_test.simulation import Simulation
 from grainfit.which_test.slopes import Cloud, corners
 from grainfit.which_test.told_by_atlas import are_dry_spheres, told_tests, untold_effects
 
