@@ -222,6 +222,7 @@ def test_wrong_near_runs_cost_two_runs_at_most_and_no_truth(
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("problem", ["smooth", "basins"])
 @pytest.mark.parametrize("kind", ["useless", "wrong"])
 def test_no_verdict_is_false_because_of_near_runs(emulated: Any, problem: str, kind: str) -> None:
