@@ -60,7 +60,7 @@ def told(test: str, frictions: tuple[float, float]) -> tuple[CandidateResponse, 
         kind(diameter=DIAMETER, **options_for(kind, base)),
         {name: value for name, value in base.items() if name not in FACTORS},
     )
-    return told_responses(test, solver, Cloud.even(parameters).thinned, lambda *_: Accuracy(0.0))
+    return told_responses(test, solver, Cloud.even(parameters), lambda *_: Accuracy(0.0))
 
 
 def _largest(name: str) -> float:

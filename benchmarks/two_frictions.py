@@ -145,7 +145,7 @@ def _measured(
     around = [
         Parameter(name, material[name] / _AROUND, material[name] * _AROUND, "log") for name in names
     ]
-    cloud = Cloud.even(around).thinned
+    cloud = Cloud.even(around)
     fixed = {name: value for name, value in material.items() if name not in names}
     for test, solver in each.solvers(fixed).items():
         for one in told_responses(test, solver, cloud, _accuracy):

@@ -57,12 +57,15 @@ def test_a_part_that_no_row_varies_is_not_told_but_for_derivatives() -> None:
     )
     with pytest.raises(NotInAtlasError, match="one material of all walls"):
         Reading(hopper, {})
-    assert Expectation(hopper, {}).responses({DENSITY: np.array([2000.0, 2500.0])})
+    assert Expectation(hopper, {}).responses({DENSITY: np.array([2000.0, 2500.0])}, ["mass_flow"])
 
 
 def test_bulk_densities_follow_the_density_beyond_the_rows_of_stiffness() -> None:
     solver = heap({n: v for n, v in BEADS.items() if n != DENSITY}, {}, **ROUGH_PLATE)
-    found = Expectation(solver, {DENSITY: 2000.0}).responses({DENSITY: np.array([1000.0, 2000.0])})
+    found = Expectation(solver, {DENSITY: 2000.0}).responses(
+        {DENSITY: np.array([1000.0, 2000.0])}, ["bulk_density"]
+    )
+    assert found.keys() == {"bulk_density"}
     low, high = found["bulk_density"].means
     assert 2.0 <= high / low < 2.1
     assert found["bulk_density"].covariance.shape == (2, 2)

@@ -12,32 +12,9 @@ import grainfit as gf
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.table_files import messages as of_tables
+from tests.beads_file import BEADS
 
-HOPPER = """
-name = "beads"
-[particle]
-diameter = "10 mm"
-density = "2500 kg/m^3"
-youngs_modulus = "5 MPa"
-poissons_ratio = 0.25
-[particle_particle]
-restitution = 0.5
-sliding_friction = { min = 0.2, max = 0.8 }
-rolling_friction = 0.1
-rolling_damping = 0
-[particle_wall]
-restitution = 0.5
-sliding_friction = 0.5
-rolling_friction = 0.1
-rolling_damping = 0
-[wall]
-youngs_modulus = "5 MPa"
-poissons_ratio = 0.25
-density = "2500 kg/m^3"
-[[test]]
-type = "hopper"
-solver = "lammps"
-"""
+HOPPER = f'{BEADS}[[test]]\ntype = "hopper"\nsolver = "lammps"\n'
 
 
 def record(

@@ -175,6 +175,6 @@ def test_units_are_recognised() -> None:
 
 
 def test_powers_that_are_known_without_pint_are_those_of_pint() -> None:
-    # "1 * " has another spelling, which is parsed.
+    # Spelled in another way, they are parsed.
     for unit, known in units._POWERS.items():
         assert units.powers(f"kg*{unit}/kg" if unit else "kg/kg") == known

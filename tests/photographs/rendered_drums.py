@@ -13,7 +13,14 @@ from PIL import Image
 from scipy import ndimage
 
 from grainfit.photographs.pictures import opencv
-from tests.photographs.rendered_pictures import Sheet, _developed, _sheet
+from tests.photographs.rendered_pictures import (
+    Sheet,
+    Spheres,
+    _developed,
+    _sheet,
+    paint,
+    rolled,
+)
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float]
@@ -76,11 +83,7 @@ def _camera(shot: DrumShot) -> tuple[Array, Array]:
     right = np.cross(forward, [0, 0, 1.0])
     right /= np.linalg.norm(right)
     down = np.cross(forward, right)
-    right, down = (
-        math.cos(roll) * right + math.sin(roll) * down,
-        -math.sin(roll) * right + math.cos(roll) * down,
-    )
-    return place, np.array([right, down, forward])
+    return place, np.array([*rolled(right, down, roll), forward])
 
 
 def render_drum(shot: DrumShot, number: int) -> Image.Image:
@@ -101,36 +104,12 @@ def render_drum(shot: DrumShot, number: int) -> Image.Image:
     down = focal * seen[:, 1] / seen[:, 2] + middle[1]
     radii = focal * shot.radii / seen[:, 2]
     light = axes @ (np.array(shot.light) / np.linalg.norm(shot.light))
-    half = light + np.array([0.0, 0.0, -1.0])
-    half /= np.linalg.norm(half)
     tints = np.random.default_rng(shot.seed).normal(size=(len(radii), 1))
     base = np.clip(np.array(shot.colour) * (1 + shot.colour_spread * tints), 0, 1)
     behind = np.where(window, 1e3, 0.0)
     inside = colours.copy()
-    for i in np.argsort(seen[:, 2]):
-        r, u, v = radii[i], across[i], down[i]
-        u0, u1 = max(0, math.ceil(u - r)), min(width, math.floor(u + r) + 1)
-        v0, v1 = max(0, math.ceil(v - r)), min(height, math.floor(v + r) + 1)
-        if u0 >= u1 or v0 >= v1:
-            continue
-        part = (slice(v0, v1), slice(u0, u1))
-        near = seen[i, 2] - shot.radii[i]
-        if (behind[part] < near).all():
-            continue
-        nx = (np.arange(u0, u1) - u)[None, :] / r
-        ny = (np.arange(v0, v1) - v)[:, None] / r
-        square = 1 - nx**2 - ny**2
-        nz = np.sqrt(np.maximum(square, 0))
-        at = seen[i, 2] - nz * shot.radii[i]
-        shown = (square >= 0) & (at < behind[part])
-        if not shown.any():
-            continue
-        lit = np.maximum(nx * light[0] + ny * light[1] - nz * light[2], 0)
-        shine = np.maximum(nx * half[0] + ny * half[1] - nz * half[2], 0) ** 40
-        bright = shot.ambient * (0.6 + 0.4 * nz) + (1 - shot.ambient) * lit
-        value = base[i] * bright[..., None] + shot.gloss * shine[..., None]
-        behind[part] = np.where(shown, at, behind[part])
-        inside[part] = np.where(shown[..., None], value, inside[part])
+    spheres = Spheres(across, down, radii, seen[:, 2], shot.radii, base)
+    paint(spheres, light, shot.ambient, shot.gloss, inside, behind)
     colours = np.where(window[..., None], inside, colours)
     colours += _glare(shot, x, y)
     if shot.sheet is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,12 +98,15 @@ def _camera(shot: Shot) -> tuple[Array, Array]:
     right -= forward * (right @ forward)
     right /= np.linalg.norm(right)
     down = np.cross(forward, right)
-    roll = math.radians(shot.roll)
-    right, down = (
+    return place, np.array([*rolled(right, down, math.radians(shot.roll)), forward])
+
+
+def rolled(right: Array, down: Array, roll: float) -> tuple[Array, Array]:
+    """Return two axes of a camera that is rolled clockwise, rad."""
+    return (
         math.cos(roll) * right + math.sin(roll) * down,
         -math.sin(roll) * right + math.cos(roll) * down,
     )
-    return place, np.array([right, down, forward])
 
 
 def _top(particles: Particles) -> float:
@@ -130,34 +133,56 @@ def render(shot: Shot) -> Image.Image:
     across = f * seen[:, 0] / seen[:, 2] + width / 2 - 0.5
     down = f * seen[:, 1] / seen[:, 2] + height / 2 - 0.5
     radii = f * shot.particles.radii / seen[:, 2]
-    facing = axes @ light  # the light in the axes of the camera
-    half = facing + np.array([0.0, 0.0, -1.0])
-    half /= np.linalg.norm(half)
     base = np.array(shot.colour) * (1 + shot.colour_spread * rng.normal(size=(len(radii), 1)))
-    for i in np.argsort(seen[:, 2]):
-        r, x, y = radii[i], across[i], down[i]
+    spheres = Spheres(across, down, radii, seen[:, 2], shot.particles.radii, base)
+    # The light in the axes of the camera.
+    paint(spheres, axes @ light, shot.ambient, shot.gloss, colours, depth)
+    if shot.hidden is not None:
+        colours[height // 5 :, round(width * (0.5 + shot.hidden)) :] = (0.3, 0.1, 0.4)
+    return _developed(colours, shot, rng)
+
+
+class Spheres(NamedTuple):
+    """Spheres before a camera: places and radii in pixels, depths and radii in m, colours."""
+
+    across: Array
+    down: Array
+    pixels: Array
+    depths: Array
+    radii: Array
+    colours: Array
+
+
+def paint(
+    spheres: Spheres, light: Array, ambient: float, gloss: float, colours: Array, depth: Array
+) -> None:
+    """Paint spheres into a picture and its depths, the nearest first."""
+    height, width = depth.shape
+    half = light + np.array([0.0, 0.0, -1.0])
+    half /= np.linalg.norm(half)
+    for i in np.argsort(spheres.depths):
+        r, x, y = spheres.pixels[i], spheres.across[i], spheres.down[i]
         x0, x1 = max(0, math.ceil(x - r)), min(width, math.floor(x + r) + 1)
         y0, y1 = max(0, math.ceil(y - r)), min(height, math.floor(y + r) + 1)
         if x0 >= x1 or y0 >= y1:
+            continue
+        window = (slice(y0, y1), slice(x0, x1))
+        if (depth[window] < spheres.depths[i] - spheres.radii[i]).all():
             continue
         nx = (np.arange(x0, x1) - x)[None, :] / r
         ny = (np.arange(y0, y1) - y)[:, None] / r
         square = 1 - nx**2 - ny**2
         nz = np.sqrt(np.maximum(square, 0))
-        near = seen[i, 2] - nz * shot.particles.radii[i]
-        window = (slice(y0, y1), slice(x0, x1))
+        near = spheres.depths[i] - nz * spheres.radii[i]
         shown = (square >= 0) & (near < depth[window])
         if not shown.any():
             continue
-        lit = np.maximum(nx * facing[0] + ny * facing[1] - nz * facing[2], 0)
+        lit = np.maximum(nx * light[0] + ny * light[1] - nz * light[2], 0)
         shine = np.maximum(nx * half[0] + ny * half[1] - nz * half[2], 0) ** 40
-        bright = shot.ambient * (0.6 + 0.4 * nz) + (1 - shot.ambient) * lit
-        value = base[i] * bright[..., None] + shot.gloss * shine[..., None]
+        bright = ambient * (0.6 + 0.4 * nz) + (1 - ambient) * lit
+        value = spheres.colours[i] * bright[..., None] + gloss * shine[..., None]
         depth[window] = np.where(shown, near, depth[window])
         colours[window] = np.where(shown[..., None], value, colours[window])
-    if shot.hidden is not None:
-        colours[height // 5 :, round(width * (0.5 + shot.hidden)) :] = (0.3, 0.1, 0.4)
-    return _developed(colours, shot, rng)
 
 
 def _ground(

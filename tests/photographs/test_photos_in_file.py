@@ -18,34 +18,11 @@ from grainfit.calibration_file.photos import keep_pictures
 from grainfit.cli.app import app
 from grainfit.measurement.angle_of_repose import heap_silhouettes
 from grainfit.measurement.heap_size import heap_profile
+from tests.beads_file import BEADS
 from tests.photographs.drawn_pictures import cone
 from tests.photographs.rendered_pictures import Shot, save
 
-HEAP = """
-name = "beads"
-[particle]
-diameter = "10 mm"
-density = "2500 kg/m^3"
-youngs_modulus = "5 MPa"
-poissons_ratio = 0.25
-[particle_particle]
-restitution = 0.5
-sliding_friction = { min = 0.2, max = 0.8 }
-rolling_friction = 0.1
-rolling_damping = 0
-[particle_wall]
-restitution = 0.5
-sliding_friction = 0.5
-rolling_friction = 0.1
-rolling_damping = 0
-[wall]
-youngs_modulus = "5 MPa"
-poissons_ratio = 0.25
-density = "2500 kg/m^3"
-[[test]]
-type = "heap"
-solver = "lammps"
-"""
+HEAP = f'{BEADS}[[test]]\ntype = "heap"\nsolver = "lammps"\n'
 ANGLE = 'targets.angle_of_repose = { photos = ["heap_*.jpg"], plate = "620 mm" }\n'
 PROFILE = 'targets.profile = { photos = ["heap_*.jpg"], plate = "620 mm", tolerance = "5 %" }\n'
 

@@ -46,7 +46,7 @@ def told(name: str) -> Candidate:
     found = told_responses(
         name,
         gf.solvers.Lammps(test, fixed),
-        Cloud.even(around).thinned,
+        Cloud.even(around),
         lambda key, info: None if key in LEFT_OUT else usual_accuracy(key, info.unit),
     )
     return Candidate(name, 5.0, found)

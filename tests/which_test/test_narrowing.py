@@ -104,7 +104,7 @@ def told(parameter: gf.Parameter) -> dict[str, CandidateResponse]:
     """Return the responses of the heap with their slopes over an interval, measured exactly."""
     material = {name: value for name, value in GLASS_BEADS.items() if name != parameter.name}
     solver = gf.solvers.Lammps(HEAP, material)
-    cloud = Cloud.even([parameter]).thinned
+    cloud = Cloud.even([parameter])
     found = told_responses("heap", solver, cloud, lambda *_: Accuracy(0.0))
     return {one.short_name: one for one in found}
 

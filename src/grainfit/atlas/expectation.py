@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.atlas import messages
-from grainfit.atlas.reading import NotInAtlasError, Reading
+from grainfit.atlas.reading import Reading
 from grainfit.atlas.shelf import Atlas, shipped_atlas
 from grainfit.atlas.surrogate import ResponseModel
 from grainfit.bulk_tests.response_info import ResponseInfo
@@ -61,17 +60,16 @@ class Expectation:
         self, solver: Solver, parameters: Mapping[str, float], atlas: Atlas | None = None
     ) -> None:
         self._reading = Reading(solver, parameters, is_nearest=True)
-        surrogate = (atlas or shipped_atlas()).of_test(self._reading.test.type)
-        if surrogate is None:
-            raise NotInAtlasError(messages.NO_ROWS())
-        self._models = surrogate.models
+        self._models = (atlas or shipped_atlas()).require(self._reading.test.type).models
 
     def tells_of(self, parameter: str) -> bool:
         """Return whether it says what a parameter does."""
         return self._reading.tells_of(parameter)
 
-    def responses(self, values: Mapping[str, Array]) -> dict[str, ExpectedResponse]:
-        """Return the responses at parameter sets, by name; those with too few rows are left out.
+    def responses(
+        self, values: Mapping[str, Array], names: Collection[str]
+    ) -> dict[str, ExpectedResponse]:
+        """Return responses at parameter sets, by name; those with too few rows are left out.
 
         Beyond the rows, responses follow the trend for a while; then the material at its end stands
         for any farther one.
@@ -80,10 +78,14 @@ class Expectation:
         ----------
         values : mapping of str to ndarray
             Free parameters, SI, each of shape (m,).
+        names : collection of str
+            Of the responses that are wanted.
         """
         limits = [span.limit for span in self._reading.ranges.values()]
         points = np.clip(self._reading.shares(values), -_BEYOND, limits)
-        return {name: self._expected(name, points, values) for name in self._models}
+        return {
+            name: self._expected(name, points, values) for name in self._models if name in names
+        }
 
     def _expected(self, name: str, points: Array, values: Mapping[str, Array]) -> ExpectedResponse:
         model = self._models[name]
@@ -104,4 +106,4 @@ def relative_scatter(info: ResponseInfo, model: ResponseModel, points: Array) ->
     """
     if info.trials is not None:
         return np.full(len(points), info.trials.scatter)
-    return np.asarray(model.scatter(points) / np.abs(model.predict(points)[0]))
+    return model.relative_scatter(points)

@@ -70,10 +70,7 @@ class Forecast:
         targets = problem.targets_of(test)
         try:
             reading = Reading(solvers[test], problem.middle)
-            surrogate = self._atlas.of_test(reading.test.type)
-            if surrogate is None:
-                is_there = reading.test.type in self._atlas.tests or not self._atlas.is_readable
-                raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
+            surrogate = self._atlas.require(reading.test.type)
             reading.require_inside(problem.middle)
         except NotInAtlasError as error:
             self.untold |= {target.name: str(error) for target in targets.values()}

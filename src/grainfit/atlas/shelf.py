@@ -13,6 +13,7 @@ from typing import Any
 from grainfit.atlas import messages
 from grainfit.atlas.admitted import admitted_programs
 from grainfit.atlas.inputs import is_of_today
+from grainfit.atlas.reading import NotInAtlasError
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate
 from grainfit.bulk_tests.base import BulkTest
@@ -77,6 +78,20 @@ class Atlas:
             except (OSError, KeyError, TypeError, ValueError):
                 self._read[name] = None
         return self._read[name]
+
+    def require(self, name: str) -> Surrogate:
+        """Return what it tells about a test.
+
+        Raises
+        ------
+        NotInAtlasError
+            It has no rows of the test, or they are damaged, or of another physics.
+        """
+        found = self.of_test(name)
+        if found is None:
+            is_there = name in self.tests or not self.is_readable
+            raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
+        return found
 
     def faults(self) -> Iterator[str]:
         """Yield the tests of which it has rows that tell nothing."""

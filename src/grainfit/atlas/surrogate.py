@@ -111,6 +111,11 @@ class ResponseModel:
         noise = np.full(len(points), self.kriging.noise_standard_deviation**2)
         return np.sqrt(self._in_units(means, noise)[1])
 
+    def relative_scatter(self, points: Array) -> Array:
+        """Return the standard deviation from run to run over the mean, shape (m,)."""
+        noise = np.full(len(points), self.kriging.noise_standard_deviation)
+        return noise if self.is_logarithm else noise / np.abs(self.kriging.mean(points))
+
     def relative_covariance(self, points: Array) -> Array:
         """Return the covariance of the expected response between points over its means, (m, m)."""
         found = self.inflation * self.kriging.covariance_with(points)(points)[0]

@@ -98,7 +98,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     0.2
     """
     material = material_of(solvers, problem.middle)
-    cloud = Cloud.even(problem.parameters).thinned
+    cloud = Cloud.even(problem.parameters)
     responses = _responses(problem, solvers, cloud)
     if not responses:
         return ExpectedNarrowing()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,12 +73,12 @@ class Cloud:
         """The same cloud with as many members as slopes by the atlas need."""
         return replace(self, points=self.points[:: max(len(self.points) // _MEMBERS, 1)])
 
-    @property
+    @cached_property
     def values(self) -> dict[str, Array]:
         """Values of the parameters in SI units, each of shape (n,)."""
         return {p.name: in_si_units(p, self.points[:, i]) for i, p in enumerate(self.parameters)}
 
-    @property
+    @cached_property
     def middle(self) -> dict[str, float]:
         """The median of every parameter, SI."""
         return {name: float(np.median(values)) for name, values in self.values.items()}
@@ -96,6 +97,13 @@ class Cloud:
     def knowledge(self) -> Knowledge:
         """Covariance of the cloud."""
         return Knowledge(self.names, np.atleast_2d(np.cov(self.points, rowvar=False)))
+
+    @cached_property
+    def whitening(self) -> Array:
+        """Matrix that turns the cloud into one of unit variances along its directions."""
+        values, vectors = np.linalg.eigh(self.knowledge.covariance)
+        wide = values > _FLAT * values.max()
+        return np.asarray((vectors[:, wide] / np.sqrt(values[wide])).T)
 
     def spread(self) -> list[int]:
         """Return members in the middle and at both ends of every principal direction.
@@ -192,8 +200,7 @@ def simulated_response(
     if not mean:
         return None
     relative = np.log(values) if (values > 0).all() else values / abs(mean)
-    whiten = _whitening(cloud)
-    fit = _fit(points[[run.point for run in runs]] @ whiten.T, relative, runs)
+    fit = _fit(points[[run.point for run in runs]] @ cloud.whitening.T, relative, runs)
     if fit is None:
         return None
     repeated = _scatter(relative, runs)
@@ -219,7 +226,7 @@ def expected_response(
     means = expected.means
     mean = float(means.mean())
     relative = np.log(means) if (means > 0).all() else means / abs(mean)
-    where = cloud.points @ _whitening(cloud).T
+    where = cloud.points @ cloud.whitening.T
     line = np.linalg.pinv(where - where.mean(axis=0))
     errors = np.diag(line @ expected.covariance @ line.T)
     fit = _Fit(line @ relative, errors, noise=expected.scatter**2)
@@ -246,7 +253,7 @@ class _Fit:
         by_chance: float,
     ) -> CandidateResponse:
         """Return the response, without slopes of so few standard errors that chance makes them."""
-        kept = _whitening(cloud).T @ _beyond_chance(self.slopes, self.errors, by_chance)
+        kept = cloud.whitening.T @ _beyond_chance(self.slopes, self.errors, by_chance)
         slopes = dict(zip(cloud.names, kept.tolist(), strict=True))
         variance = float(self.errors.sum())
         return CandidateResponse(name, mean, accuracy, slopes, scatter, variance, unit)
@@ -265,13 +272,6 @@ def _fit(where: Array, values: Array, runs: Sequence[Run]) -> _Fit | None:
     noise = float(residuals @ residuals) / freedom
     errors = noise * np.diag(np.linalg.inv(matrix.T @ matrix))
     return _Fit(fitted[len(seeds) :], errors[len(seeds) :], noise)
-
-
-def _whitening(cloud: Cloud) -> Array:
-    """Return the matrix that turns the cloud into one of unit variances along its directions."""
-    values, vectors = np.linalg.eigh(cloud.knowledge.covariance)
-    wide = values > _FLAT * values.max()
-    return np.asarray((vectors[:, wide] / np.sqrt(values[wide])).T)
 
 
 def _beyond_chance(slopes: Array, errors: Array, by_chance: float) -> Array:

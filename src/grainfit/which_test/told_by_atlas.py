@@ -37,20 +37,22 @@ def told_responses(
     accuracy_of : callable
         Accuracies of the measurements.
     """
+    infos = solver.bulk_test.responses if solver.bulk_test else {}
+    measured = {
+        name: accuracy
+        for name, info in infos.items()
+        if (accuracy := accuracy_of(name, info)) is not None
+    }
+    if not measured:
+        return ()
     try:
-        found = Expectation(solver, cloud.middle).responses(cloud.values)
+        found = Expectation(solver, cloud.middle).responses(cloud.values, measured)
     except NotInAtlasError:
         return ()
-    assert solver.bulk_test is not None, "the atlas has bulk tests"
-    responses = []
-    for name, expected in found.items():
-        info = solver.bulk_test.responses[name]
-        accuracy = accuracy_of(name, info)
-        if accuracy is not None:
-            responses.append(
-                expected_response(f"{test}.{name}", accuracy, cloud, expected, info.unit)
-            )
-    return tuple(responses)
+    return tuple(
+        expected_response(f"{test}.{name}", measured[name], cloud, expected, infos[name].unit)
+        for name, expected in found.items()
+    )
 
 
 def told_tests(

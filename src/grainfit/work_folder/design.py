@@ -127,7 +127,7 @@ def _by_atlas(
     planned: PlannedFile, compared: AvailableTests, accuracy_of: AccuracyOf, wanted: float
 ) -> MeasurementPlan:
     middle, solvers = _middle(planned), compared.solvers
-    cloud = Cloud.even(planned.file.parameters).thinned
+    cloud = Cloud.even(planned.file.parameters)
     found, missing = told_tests(solvers, cloud, accuracy_of)
     without = untold_effects(solvers, cloud)
     told = {candidate.name for candidate in found}
