@@ -249,8 +249,8 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_every_registered_check_is_tested_here() -> None:
-    # That of changed pictures is tested with photographs, in test_photos_in_file.py.
-    assert {*CASES, "changed-picture"} == {check.name for check in all_checks()}
+    # Those of pictures and videos are tested with these: test_photos_in_file.py, test_drums.py.
+    assert {*CASES, "changed-picture", "other-speed"} == {check.name for check in all_checks()}
 
 
 @pytest.mark.parametrize("name", CASES)

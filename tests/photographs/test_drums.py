@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
+import shutil
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -14,12 +17,17 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.calibration_file import messages as file_messages
+from grainfit.calibration_file.build import CalibrationSetup
+from grainfit.calibration_file.originals import keep_pictures
+from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.app import app
 from grainfit.photographs import messages
 from grainfit.photographs.drum import _level_of, measure_still
 from grainfit.photographs.drum_circle import DrumCircle
 from grainfit.photographs.pictures import opencv
 from grainfit.photographs.rim_speed import rotational_speed
+from tests.beads_file import BEADS
 from tests.photographs.rendered_drums import DrumShot, render_drum
 from tests.photographs.test_marker import _printed
 
@@ -234,3 +242,96 @@ def test_a_picture_of_twelve_megapixels_takes_less_than_three_seconds(
     picture = read_picture(path)
     measure_still(path, picture.colours, picture.focal)
     assert time.process_time() - before < 3.0
+
+
+DRUM = f'{BEADS}[[test]]\ntype = "drum"\nsolver = "lammps"\n'
+FILMED = 'targets.dynamic_angle = { video = "turning.mp4", level = "0.1 deg" }\n'
+
+
+def _load(folder: Path, targets: str, options: str = "") -> CalibrationSetup:
+    (folder / "beads.toml").write_text(DRUM + options + targets)
+    return gf.load(folder / "beads.toml", folder / "work")
+
+
+@pytest.fixture(scope="module")
+def measured(video: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the video, and what was measured on it."""
+    folder = tmp_path_factory.mktemp("file")
+    shutil.copy(video, folder)
+    _load(folder, FILMED)
+    return folder
+
+
+@pytest.fixture
+def folder(measured: Path, tmp_path: Path) -> Path:
+    """A copy of that folder."""
+    return Path(shutil.copytree(measured, tmp_path / "copy"))
+
+
+def test_a_target_of_the_file_is_what_the_video_tells_and_is_measured_once(folder: Path) -> None:
+    setup = _load(folder, FILMED)
+    alone = gf.photo(folder / "turning.mp4", "drum", level="0.1 deg").dynamic_angle
+
+    target = setup.problem.targets[0]
+    assert (target.value, target.uncertainty) == (
+        round(alone.value, 2),
+        round(alone.standard_error, 2),
+    )
+    digest = hashlib.sha256((folder / "turning.mp4").read_bytes()).hexdigest()
+    assert setup.provenance.pictures["dynamic_angle"] == {"turning.mp4": digest}
+    assert len(list((folder / "work/photographs").glob("*/turning_measured.png"))) == 1
+
+    for path in (folder / "work/photographs").glob("*/measured.json"):
+        kept = json.loads(path.read_text())
+        path.write_text(json.dumps({**kept, "responses": {"dynamic_angle": [30.0, 1.0]}}))
+    assert _load(folder, FILMED).problem.targets[0].value == 30.0
+
+
+def test_check_says_what_was_understood_and_that_the_drum_turns_otherwise(folder: Path) -> None:
+    plan = describe_plan(_load(folder, FILMED, 'rotational_speed = "20 rpm"\n'))
+    said = "\n".join([*map(str, plan.lines), *plan.notes])
+
+    assert file_messages.DRUM_PHOTOGRAPHED.is_in(said), said
+    assert file_messages.FRAMES(count=COUNT, seconds=(COUNT - 1) * INTERVAL) in said
+    assert file_messages.OTHER_SPEED(found="12.1 rpm", given="20 rpm") in said
+    same = describe_plan(_load(folder, FILMED, 'rotational_speed = "12 rpm"\n'))
+    assert not any(map(file_messages.OTHER_SPEED.is_in, same.notes))
+
+
+def test_a_video_that_moved_changed_or_is_gone_is_named(folder: Path) -> None:
+    keep_pictures(_load(folder, FILMED).file.photographed, folder / "work")
+    video = folder / "turning.mp4"
+    video.rename(folder / "kept.mp4")
+
+    with pytest.raises(gf.InputError) as error:
+        _load(folder, FILMED)
+    said = str(error.value)
+    assert "beads.toml: line 25, test 1, targets.dynamic_angle.video[0]" in said
+    assert file_messages.MOVED_TO(path="kept.mp4") in said
+    any_video = FILMED.replace("turning.mp4", "*.mp4")
+    moved = file_messages.PICTURE_MOVED(file="turning.mp4", path="kept.mp4")
+    assert moved in _load(folder, any_video).notes()
+    other = (folder / "kept.mp4").read_bytes() + b"0"
+    video.write_bytes(other)
+    (folder / "kept.mp4").unlink()
+    assert file_messages.PICTURE_CHANGED(file="turning.mp4") in _load(folder, FILMED).notes()
+
+
+def test_faults_of_videos_have_line_key_and_what_to_do(folder: Path) -> None:
+    (folder / "notes.mp4").write_text("no video")
+    for targets, key, why in (
+        ('{ video = "notes.mp4" }', "video[0]", messages.NO_VIDEO),
+        ('{ photos = "turning.mp4" }', "photos[0]", file_messages.VIDEO_NOT_STILLS),
+        ('{ video = "none.mp4" }', "video[0]", file_messages.NO_SUCH_VIDEO),
+        ('{ video = ["turning.mp4", "turn*"] }', "video[1]", file_messages.SAME_PICTURE),
+        (
+            '{ video = "turning.mp4", marker = true }',
+            "video",
+            file_messages.NO_PICTURE_MEASURED,
+        ),
+    ):
+        with pytest.raises(gf.InputError) as error:
+            _load(folder, f"targets.upper_angle = {targets}\n")
+        said = str(error.value)
+        assert f"line 25, test 1, targets.upper_angle.{key}:" in said, said
+        assert why.is_in(said), said

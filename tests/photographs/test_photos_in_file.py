@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import grainfit as gf
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.build import CalibrationSetup
-from grainfit.calibration_file.photos import keep_pictures
+from grainfit.calibration_file.originals import keep_pictures
 from grainfit.cli.app import app
 from grainfit.measurement.angle_of_repose import heap_silhouettes
 from grainfit.measurement.heap_size import heap_profile

@@ -22,7 +22,7 @@ from grainfit.calibration_file.checks.registry import findings
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions, TestSpecification
 from grainfit.calibration_file.fault_lines import faults_with_lines, with_lines
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.calibration_file.photos import hashes_of, keep_pictures
+from grainfit.calibration_file.originals import hashes_of, keep_pictures
 from grainfit.calibration_file.relatives import relative_solvers, relatives_of
 from grainfit.calibration_file.settings import quantity_of, set_values
 from grainfit.calibration_file.twins import twin_solvers

@@ -38,15 +38,31 @@ PICTURE_MEASURED = Message(
     "{elevation_error:.1f} deg above, {seen_by})"
 )
 PICTURE_REFUSED = Message("{file}: not measured: {reason}")
+DRUM_PHOTOGRAPHED = Message("Drum, {response}: {result}")
+DRUM_MEASURED = Message(
+    "{file}: {frames}; the bed rises to the {side} and takes {fill:.2f} of the drum"
+)
+FRAMES = Message("{count} frames in {seconds:.3g} s")
+STILLS = Message("the first of {count} pictures")
+DRUM_SPEED = Message("{speed} by the mark on the rim")
+OTHER_SPEED = Message(
+    "the drum turns at {found} in the video, and at {given} in the test, rotational_speed.",
+    "Angles depend on the speed: give the test that of the video.",
+)
 OVERLAYS = Message("Look at the overlays in {folder}.")
 NO_SUCH_PICTURE = Message("is {given}, and there is no such picture.", "{where}")
 MOVED_TO = Message("It is {path} now: name it so, or move it back.")
 NAME_PICTURES = Message(
     "Relative paths start at {folder}; pictures are JPEG, HEIC, PNG, BMP or TIFF."
 )
+NO_SUCH_VIDEO = Message("is {given}, and there is no such video.", "{where}")
+NAME_VIDEOS = Message("Relative paths start at {folder}; videos are MP4, MOV, AVI, MKV or WebM.")
+STILLS_NOT_VIDEO = Message("is {given}, which is no video.", "Name pictures with photos = [...].")
+VIDEO_NOT_STILLS = Message(
+    "is {given}, which is a video.", 'Videos of a drum are named with video = "...".'
+)
 SAME_PICTURE = Message(
-    "has {file}, which is the same picture as {other}.",
-    "A picture counts once: leave one of them out.",
+    "has {file}, which is the same file as {other}.", "It counts once: leave one of them out."
 )
 NO_KNOWN_LENGTH = Message(
     "is of use with a known length only.",

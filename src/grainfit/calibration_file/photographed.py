@@ -1,21 +1,43 @@
-"""What was measured on the photographs of a target."""
+"""What was measured on the photographs or videos of a target."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from grainfit.calibration_file import messages
 
-if TYPE_CHECKING:
-    from grainfit.photographs.kept import KeptPicture
+
+@dataclass(frozen=True)
+class Original:
+    """A picture or a video, and what is kept of it.
+
+    Parameters
+    ----------
+    file : str
+        As the calibration file names it.
+    sha256 : str
+        Hash of the original.
+    version : str
+        Of the code that measured it.
+    name : str
+        Of what is kept of it, without endings, or of its folder.
+    about : mapping of str to object
+        What was measured on it, as plain data.
+    """
+
+    file: str
+    sha256: str
+    version: str
+    name: str
+    about: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class PhotographedTarget:
-    """What was measured on the pictures of one target.
+    """What was measured on the pictures or videos of one target.
 
     Parameters
     ----------
@@ -25,50 +47,32 @@ class PhotographedTarget:
         Position of its test in the file.
     response : str
         Name of the response.
-    heaps : tuple of tuple of KeptPicture
-        Measured pictures of each heap.
-    refused : tuple of KeptPicture
-        Pictures that were not measured.
+    originals : tuple of Original
+        Pictures and videos, those that were not measured as well.
     result : str
         Value and uncertainty in words.
+    found : tuple of str
+        What was found on each, in words.
     folder : Path
         Where overlays and what was measured are kept.
     changes : tuple of str
-        How the pictures differ from those with which the calibration was begun.
+        How the originals differ from those with which the calibration was begun.
+    speed : tuple of float, optional
+        Rotational speed that videos show, and its standard error, rad/s.
     """
 
     key: str
     test: int
     response: str
-    heaps: tuple[tuple[KeptPicture, ...], ...]
-    refused: tuple[KeptPicture, ...]
+    originals: tuple[Original, ...]
     result: str
+    found: tuple[str, ...]
     folder: Path
     changes: tuple[str, ...] = ()
-
-    @property
-    def pictures(self) -> tuple[KeptPicture, ...]:
-        """All pictures, those that were refused last."""
-        return (*(one for heap in self.heaps for one in heap), *self.refused)
+    speed: tuple[float, float] | None = None
 
     def lines(self) -> Iterator[str]:
         """Yield what was measured, for people."""
-        count = len(self.pictures) - len(self.refused)
-        yield messages.PHOTOGRAPHS(
-            response=self.response, result=self.result, count=count, heaps=len(self.heaps)
-        )
-        for number, heap in enumerate(self.heaps, 1):
-            for one in heap:
-                yield "  " + messages.PICTURE_MEASURED(
-                    file=one.file,
-                    heap=number,
-                    angle=one.angle,
-                    error=one.uncertainty,
-                    flanks=" and ".join(f"{angle:.1f}" for angle in one.flanks),
-                    elevation=one.elevation,
-                    elevation_error=one.elevation_error,
-                    seen_by=one.seen_by,
-                )
-        for one in self.refused:
-            yield "  " + messages.PICTURE_REFUSED(file=one.file, reason=one.refused)
+        yield self.result
+        yield from (f"  {line}" for line in self.found)
         yield "  " + messages.OVERLAYS(folder=self.folder)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import statistics
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -131,24 +132,23 @@ class OrMeasured(Kind):
     ----------
     otherwise : Kind
         Kind of the target that is given.
-    key : str
-        Key that names what is measured.
-    measured : Table
-        Keys of the target that is measured.
+    measured : mapping of str to Table
+        Keys of the target that is measured, by the one that names what it is measured on.
     """
 
     otherwise: Kind
-    key: str
-    measured: Table
+    measured: Mapping[str, Table]
 
     def read(self, value: Any, place: Place) -> Any:
-        """Measure, where the key is there."""
-        kind = self.measured if isinstance(value, dict) and self.key in value else self.otherwise
+        """Measure, where one of these keys is there."""
+        given = value if isinstance(value, dict) else {}
+        named = (table for key, table in self.measured.items() if key in given)
+        kind: Kind = next(named, self.otherwise)
         return kind.read(value, place)
 
     def schema(self) -> Schema:
-        """Return the JSON Schema of both forms."""
-        return {"oneOf": [self.otherwise.schema(), self.measured.schema()]}
+        """Return the JSON Schema of all forms."""
+        return {"oneOf": [kind.schema() for kind in (self.otherwise, *self.measured.values())]}
 
 
 #: Keys that are deviations from the value.

@@ -23,6 +23,7 @@ from grainfit.calibration_file.curves import (
     OwnTarget,
     RefusedCurve,
 )
+from grainfit.calibration_file.drums import FILMED, drum_tables
 from grainfit.calibration_file.instruments import apparatus_key, with_instrument
 from grainfit.calibration_file.photos import PHOTOGRAPHED, PHOTOS, photo_table
 from grainfit.calibration_file.targets import OrMeasured, PlannedTargetTable, TargetTable
@@ -117,12 +118,16 @@ def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
 
 
 def _or_measured(kind: TestType, response: str, otherwise: TargetTable | CurveTable) -> Kind:
-    """Return the kind of a target that may also be measured on photographs, or by a balance."""
+    """Return the kind of a target that may also be measured on pictures, or by a balance."""
+    planned = isinstance(otherwise, PlannedTargetTable)
+    measured: dict[str, Table] = {}
     if response in PHOTOGRAPHED.get(kind.name, ()):
-        return OrMeasured(otherwise, PHOTOS, photo_table(otherwise))
-    if response in WEIGHED and not isinstance(otherwise, PlannedTargetTable):
-        return OrMeasured(otherwise, BALANCE, balance_table(response))
-    return otherwise
+        measured[PHOTOS] = photo_table(otherwise)
+    if response in FILMED.get(kind.name, ()) and isinstance(otherwise, TargetTable):
+        measured |= drum_tables(otherwise)
+    if response in WEIGHED and not planned:
+        measured[BALANCE] = balance_table(response)
+    return OrMeasured(otherwise, measured) if measured else otherwise
 
 
 def _specification(kind: TestType, values: Values, place: Place) -> TestSpecification | None:

@@ -145,8 +145,8 @@ class DrumSeries:
     unsure : dict
         Standard uncertainties of each by where the surface is taken to be, and by the particles
         that its outline shows, degrees.
-    interval : float
-        Time between frames, s; NaN for stills.
+    interval : float or None
+        Time between frames, s; None for stills.
     speed : Response or None
         Rotational speed, rad/s; None where no mark is seen.
     """
@@ -160,7 +160,7 @@ class DrumSeries:
     angles: DynamicAngles[PhotographedBed]
     responses: dict[str, Response]
     unsure: dict[str, dict[str, float]]
-    interval: float
+    interval: float | None
     speed: Response | None
 
     @property
@@ -293,7 +293,7 @@ def measure_stills(stills: Sequence[DrumStill], radius: float) -> DrumSeries:
         found[0],
         _corrected(found[0]),
         _unsure(found),
-        math.nan,
+        None,
         None,
     )
 

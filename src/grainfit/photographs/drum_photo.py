@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -72,11 +72,7 @@ class PhotographedDrum(Summary):
     @property
     def rotational_speed(self) -> Response | None:
         """Mean over the videos in which a mark is seen, rad/s; None without any."""
-        known = [one.speed for one in self.series if one.speed is not None]
-        if not known:
-            return None
-        error = math.sqrt(sum(speed.standard_error**2 for speed in known)) / len(known)
-        return Response(float(np.mean([speed.value for speed in known])), error)
+        return speed_of(self.series)
 
     @property
     def target(self) -> str:
@@ -115,6 +111,15 @@ class PhotographedDrum(Summary):
         return (*lines, f"fill_level = {self.fill_level:.2f}")
 
 
+def speed_of(series: Sequence[DrumSeries]) -> Response | None:
+    """Return the mean speed of videos in which a mark is seen, rad/s; None without any."""
+    known = [one.speed for one in series if one.speed is not None]
+    if not known:
+        return None
+    error = math.sqrt(sum(speed.standard_error**2 for speed in known)) / len(known)
+    return Response(float(np.mean([speed.value for speed in known])), error)
+
+
 def photo_drum(
     groups: Sequence[Sequence[Path]],
     diameter: float | None,
@@ -139,15 +144,50 @@ def photo_drum(
     NotMeasurableError
         Nothing can be measured, and why.
     """
-    radius = 1.0 if diameter is None else diameter / 2
+    series, refused = measure_series(groups, 1.0 if diameter is None else diameter / 2)
+    if overlays is not None:
+        draw_overlays(overlays, series, refused)
+    if not series:
+        reasons = "\n".join(messages.REFUSED(path=p, reason=why) for p, why in refused.items())
+        raise NotMeasurableError(
+            messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
+        )
+    responses, parts = mean_of_series(series, level)
+    return PhotographedDrum(responses, parts, tuple(series), diameter, refused)
+
+
+def measure_series(
+    groups: Sequence[Sequence[Path]], radius: float, *, marker: bool = False
+) -> tuple[list[DrumSeries], dict[Path, str]]:
+    """Measure every video, and the stills; return also why others were not measured.
+
+    Parameters
+    ----------
+    groups : sequence of sequence of Path
+        As of `photo_drum`.
+    radius : float
+        Of the drum, m; 1 where it is not known.
+    marker : bool
+        Whether the marker sheet must be seen.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read.
+    """
     refused: dict[Path, str] = {}
     series: list[DrumSeries] = []
 
     def kept(path: Path, measure: Callable[[], DrumSeries]) -> None:
         try:
-            series.append(measure())
+            found = measure()
         except NotMeasurableError as error:
             refused[path] = str(error)
+            return
+        if marker and not found.by_sheet:
+            refused[path] = messages.NO_MARKER()
+        else:
+            series.append(found)
 
     single = [group[0] for group in groups if len(group) == 1]
     for path in filter(is_video, [path for group in groups for path in group]):
@@ -159,22 +199,27 @@ def photo_drum(
         stills = _stills(paths, refused)
         if stills:
             kept(paths[0], lambda stills=stills: measure_stills(stills, radius))  # type: ignore[misc]
-    if overlays is not None:
-        for one in series:
-            draw_drum_overlay(overlays, one)
-        for path, why in refused.items():
-            draw_refused(overlays, path, why)
-    if not series:
-        reasons = "\n".join(messages.REFUSED(path=p, reason=why) for p, why in refused.items())
-        raise NotMeasurableError(
-            messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
-        )
+    return series, refused
+
+
+def draw_overlays(folder: Path, series: Sequence[DrumSeries], refused: Mapping[Path, str]) -> None:
+    """Write a picture of each series with what was found, and of each refused file with why."""
+    for one in series:
+        draw_drum_overlay(folder, one)
+    for path, why in refused.items():
+        draw_refused(folder, path, why)
+
+
+def mean_of_series(
+    series: Sequence[DrumSeries], level: float | None
+) -> tuple[dict[str, Response], dict[str, dict[str, float]]]:
+    """Return the angles with their standard uncertainties, and these by their source, degrees."""
     parts = {name: _parts(name, series, level) for name in series[0].responses}
     responses = {
         name: Response(_mean(name, series), math.sqrt(sum(part**2 for part in found.values())))
         for name, found in parts.items()
     }
-    return PhotographedDrum(responses, parts, tuple(series), diameter, refused)
+    return responses, parts
 
 
 def _stills(paths: Sequence[Path], refused: dict[Path, str]) -> list[DrumStill]:
@@ -225,4 +270,11 @@ def _of_level(parts: dict[str, dict[str, float]]) -> float:
     return next(iter(parts.values()))["level"]
 
 
-__all__ = ["PhotographedDrum", "photo_drum"]
+__all__ = [
+    "PhotographedDrum",
+    "draw_overlays",
+    "mean_of_series",
+    "measure_series",
+    "photo_drum",
+    "speed_of",
+]

@@ -31,6 +31,8 @@ _CODE = (
     "measurement/angle_of_repose.py",
     "measurement/silhouette.py",
     "measurement/heap_size.py",
+    "measurement/dynamic_angles.py",
+    "measurement/avalanches.py",
 )
 #: Points of an outline for each particle diameter; width of a kept copy, pixels.
 _POINTS_PER_DIAMETER, _COPY_WIDTH = 4, 720

@@ -18,7 +18,7 @@ from grainfit.calibration_file.checks.fine_tolerances import fine_tolerance
 from grainfit.calibration_file.checks.instruments import finer_than_instruments
 from grainfit.calibration_file.checks.large_time_step import large_time_step
 from grainfit.calibration_file.checks.near_spheres import near_spheres
-from grainfit.calibration_file.checks.photographs import changed_picture
+from grainfit.calibration_file.checks.photographs import changed_picture, other_speed
 from grainfit.calibration_file.checks.run_times import (
     long_calibration,
     mpi_ranks,
@@ -48,6 +48,7 @@ _BEFORE_TESTS: tuple[Check[FileContext], ...] = (
     impossible_bulk_density,
     unusual_value,
     changed_picture,
+    other_speed,
 )
 _AFTER_TESTS: tuple[Check[FileContext], ...] = (
     finer_than_instruments,

@@ -1,0 +1,158 @@
+"""Targets that are measured on videos or photographs of a drum when the file is read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+from grainfit.calibration_file import messages
+from grainfit.calibration_file.content import PlannedTarget
+from grainfit.calibration_file.originals import NamedFile, begun_with, groups_of, note_target
+from grainfit.calibration_file.photographed import Original
+from grainfit.calibration_file.photos import OF_NUMBER, PHOTOS, in_words, planned_of, target_of
+from grainfit.calibration_file.targets import Deviation, PlannedTargetTable, TargetTable
+from grainfit.errors import InputError
+from grainfit.evaluation import Response
+from grainfit.formatting import turns_per_minute
+from grainfit.options.kinds import Flag, OneOrMore, Quantity, Text
+from grainfit.options.places import Place
+from grainfit.options.tables import Key, Table, Values
+from grainfit.problem import Target
+
+if TYPE_CHECKING:
+    from grainfit.photographs.kept_drum import KeptDrum
+
+#: Key that makes a target one of videos.
+VIDEO = "video"
+#: Responses that videos and photographs of a drum tell, by type of test.
+FILMED: Mapping[str, tuple[str, ...]] = {
+    "drum": ("dynamic_angle", "surface_angle", "upper_angle", "lower_angle"),
+}
+
+_VIDEO = Key(
+    VIDEO,
+    OneOrMore(Text()),
+    "Video of the turning drum, along its axis, or several, with * and ? as in a shell; of both "
+    "ways in which it turns, the mean does not depend on how the camera is rolled. They are "
+    "measured when the file is read.",
+    required=True,
+    example='"drum.mp4"',
+)
+_STILLS = Key(
+    PHOTOS,
+    OneOrMore(Text()),
+    "Instead of a video, five pictures or more of the turning drum, some seconds apart, with * and "
+    "? as in a shell; or folders with such pictures.",
+    required=True,
+    example='["drum_*.jpg"]',
+)
+_SHARED = (
+    Key(
+        "marker",
+        Flag(),
+        "Whether the marker sheet is to be seen: pictures without it are refused.",
+        default="false: it is used where it is seen",
+        example="true",
+    ),
+    Key(
+        "level",
+        Quantity("deg", above_zero=True, highest=10.0),
+        "Standard uncertainty of how level the camera is.",
+        default="by the marker sheet or by both ways of turning; otherwise 0.5 deg",
+        example='"0.1 deg"',
+    ),
+    Key(
+        "tolerance",
+        Deviation("deg"),
+        "Largest accepted deviation of the calibrated response: what is good enough.",
+        default="as of a target that is given by its value",
+        example='"1 deg"',
+    ),
+    *OF_NUMBER,
+)
+
+
+def drum_tables(otherwise: TargetTable) -> dict[str, Table]:
+    """Return the keys of a target that videos tell, and of one that stills tell."""
+    read = _planned if isinstance(otherwise, PlannedTargetTable) else _number
+    return {key.name: Table((key, *_SHARED), partial(read, key.name)) for key in (_VIDEO, _STILLS)}
+
+
+def _planned(key: str, values: Values, place: Place) -> PlannedTarget | None:
+    return planned_of(_number(key, values, place))
+
+
+def _number(key: str, values: Values, place: Place) -> Target | None:
+    if None in values.values():
+        return None
+    groups = groups_of(values[key], place.at(key), videos=key == VIDEO)
+    if groups is None:
+        return None
+    found = _measured(groups, values, place)
+    if found is None:
+        return None
+    files = {one.sha256: one for group in groups for one in group}
+    said = list(_said(found, files))
+    if not found.responses:
+        place.at(key).refuse(messages.NO_PICTURE_MEASURED.fault("", reasons=" ".join(said)))
+        return None
+    target = target_of(Response(*found.responses[place.key]), values, place, key)
+    if target is None:
+        return None
+    note_target(
+        [Original(one.file, one.sha256, found.version, found.name, {}) for one in files.values()],
+        messages.DRUM_PHOTOGRAPHED(
+            response=place.key.replace("_", " "), result=in_words(target, found.parts[place.key])
+        ),
+        said,
+        place,
+        speed=found.speed,
+    )
+    return target
+
+
+def _measured(
+    groups: Sequence[Sequence[NamedFile]], values: Values, place: Place
+) -> KeptDrum | None:
+    """Measure once what shows a drum; None after noting what cannot be read or kept."""
+    from grainfit.photographs.kept import FOLDER
+    from grainfit.photographs.kept_drum import measure_drum_once
+
+    folder, begun = place.findings.work_folder() / FOLDER, begun_with(place)
+    files = [one for group in groups for one in group]
+    try:
+        return measure_drum_once(
+            [[one.path for one in group] for group in groups],
+            {one.path: one.sha256 for one in files},
+            folder,
+            level=values.get("level"),
+            marker=values.get("marker", False),
+            keep_version=begun == {one.file: one.sha256 for one in files},
+        )
+    except InputError as error:
+        # The words of the fault name the file.
+        at = next((one.place for one in files if str(one.path) in str(error)), files[0].place)
+        at.refuse(error.faults[0])
+    except OSError as error:
+        not_kept = messages.NOT_KEPT.fault("", folder=folder, reason=error.strerror)
+        files[0].place.refuse(not_kept)
+    return None
+
+
+def _said(found: KeptDrum, files: Mapping[str, NamedFile]) -> Iterator[str]:
+    """Yield what was found on each video and on the stills, in words."""
+    for one in found.series:
+        frames = messages.STILLS(count=one.frames)
+        if one.seconds is not None:
+            frames = messages.FRAMES(count=one.frames, seconds=one.seconds)
+        yield messages.DRUM_MEASURED(
+            file=files[one.sha256].file,
+            frames=frames,
+            side="right" if one.rises_right else "left",
+            fill=one.fill_level,
+        )
+    if found.speed is not None:
+        yield messages.DRUM_SPEED(speed=turns_per_minute(found.speed[0]))
+    for digest, reason in found.refused.items():
+        yield messages.PICTURE_REFUSED(file=files[digest].file, reason=reason)

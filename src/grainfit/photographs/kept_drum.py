@@ -1,0 +1,175 @@
+"""Drums that are measured once: what was found is kept with the hashes of videos and stills."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from grainfit.files import write_atomically
+from grainfit.photographs.drum_photo import (
+    draw_overlays,
+    mean_of_series,
+    measure_series,
+    speed_of,
+)
+from grainfit.photographs.kept import version_of_code
+
+#: What was measured, in the folder of a drum.
+_MEASURED = "measured.json"
+
+
+@dataclass(frozen=True)
+class KeptSeries:
+    """What is kept of a video, or of stills.
+
+    Parameters
+    ----------
+    sha256 : str
+        Hash of the video, or of the first still.
+    frames : int
+        Frames, or stills.
+    seconds : float or None
+        From the first frame to the last; None for stills.
+    rises_right : bool
+        Whether the bed rises to the right.
+    fill_level : float
+        Share of the drum that the bed takes.
+    """
+
+    sha256: str
+    frames: int
+    seconds: float | None
+    rises_right: bool
+    fill_level: float
+
+
+@dataclass(frozen=True)
+class KeptDrum:
+    """What is kept of the videos and stills of a drum.
+
+    Parameters
+    ----------
+    name : str
+        Of its folder.
+    version : str
+        Of the code that measured it.
+    responses : dict
+        Angles with their standard uncertainties, degrees; empty if nothing could be measured.
+    parts : dict
+        Standard uncertainties of each angle by their source, degrees.
+    series : tuple of KeptSeries
+        What was measured.
+    refused : dict
+        Why others were not, by the hash of the file.
+    speed : tuple of float or None
+        Rotational speed and its standard error, rad/s; None where no mark is seen.
+    """
+
+    name: str
+    version: str
+    responses: Mapping[str, tuple[float, float]]
+    parts: Mapping[str, Mapping[str, float]]
+    series: tuple[KeptSeries, ...]
+    refused: Mapping[str, str]
+    speed: tuple[float, float] | None
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> KeptDrum:
+        """Return the drum of plain data.
+
+        Raises
+        ------
+        TypeError, ValueError, KeyError
+            They are damaged.
+        """
+        pairs = {str(name): (float(v), float(e)) for name, (v, e) in data["responses"].items()}
+        speed = data["speed"]
+        return cls(
+            **{
+                **data,
+                "responses": pairs,
+                "series": tuple(KeptSeries(**one) for one in data["series"]),
+                "speed": None if speed is None else (float(speed[0]), float(speed[1])),
+            }
+        )
+
+
+def measure_drum_once(
+    groups: Sequence[Sequence[Path]],
+    hashes: Mapping[Path, str],
+    folder: Path,
+    *,
+    level: float | None = None,
+    marker: bool = False,
+    keep_version: bool = False,
+) -> KeptDrum:
+    """Return what is on videos and stills: as it was kept, or else measured now, and kept.
+
+    Parameters
+    ----------
+    groups : sequence of sequence of Path
+        Videos, and stills; all single stills, and those of a folder, are of one series.
+    hashes : mapping of Path to str
+        SHA-256 of each.
+    folder : Path
+        Where what was found is kept, with the overlays.
+    level : float, optional
+        Standard uncertainty of the camera's being level, degrees.
+    marker : bool
+        Whether the marker sheet must be seen.
+    keep_version : bool
+        Take what another version of the code has measured, too: a calibration rests on it.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read.
+    OSError
+        What was found cannot be written.
+    """
+    what = [[[hashes[path] for path in group] for group in groups], level, marker]
+    key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:12]
+    name = f"{groups[0][0].stem}_{key}"
+    kept = _read(folder / name)
+    if kept is not None and (keep_version or kept.version == version_of_code()):
+        return kept
+    series, refused = measure_series(groups, 1.0, marker=marker)
+    (folder / name).mkdir(parents=True, exist_ok=True)
+    draw_overlays(folder / name, series, refused)
+    responses, parts = mean_of_series(series, level) if series else ({}, {})
+    speed = speed_of(series)
+    kept = KeptDrum(
+        name,
+        version_of_code(),
+        {name: (found.value, found.standard_error) for name, found in responses.items()},
+        parts,
+        tuple(
+            KeptSeries(
+                hashes[one.path],
+                len(one.angles.bed.heights),
+                one.interval and (len(one.angles.bed.heights) - 1) * one.interval,
+                one.rises_right,
+                one.fill_level,
+            )
+            for one in series
+        ),
+        {hashes[path]: why for path, why in refused.items()},
+        None if speed is None else (speed.value, speed.standard_error),
+    )
+    write_atomically(folder / name / _MEASURED, json.dumps(asdict(kept)))
+    return kept
+
+
+def _read(folder: Path) -> KeptDrum | None:
+    """Return what was kept; None if there is nothing, or if it is damaged."""
+    try:
+        return KeptDrum.from_json(json.loads((folder / _MEASURED).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return None
+
+
+__all__ = ["KeptDrum", "KeptSeries", "measure_drum_once"]
