@@ -13,48 +13,12 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.originals import keep_pictures
 from grainfit.cli.app import app
 from grainfit.measurement.angle_of_repose import heap_silhouettes
 from grainfit.measurement.heap_size import heap_profile
-from tests.beads_file import BEADS
 from tests.photographs.drawn_pictures import cone
-from tests.photographs.rendered_pictures import Shot, save
-
-HEAP = f'{BEADS}[[test]]\ntype = "heap"\nsolver = "lammps"\n'
-ANGLE = 'targets.angle_of_repose = { photos = ["heap_*.jpg"], plate = "620 mm" }\n'
-PROFILE = 'targets.profile = { photos = ["heap_*.jpg"], plate = "620 mm", tolerance = "5 %" }\n'
-
-
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with two pictures of heaps, and what was measured on them."""
-    folder = tmp_path_factory.mktemp("pictures")
-    for number, azimuth in enumerate((0.0, 90.0), 1):
-        shot = Shot(
-            cone(25.0, 10.0, 1),
-            elevation=6.0,
-            distance=1.1,
-            plate_radius=0.31,
-            azimuth=azimuth,
-            size=(560, 420),
-            seed=number,
-        )
-        save(shot, folder / f"heap_{number}.jpg", exif=True)
-    load(folder, ANGLE)
-    return folder
-
-
-@pytest.fixture
-def folder(measured: Path, tmp_path: Path) -> Path:
-    """A copy of that folder."""
-    return Path(shutil.copytree(measured, tmp_path / "copy"))
-
-
-def load(folder: Path, targets: str) -> CalibrationSetup:
-    (folder / "beads.toml").write_text(HEAP + targets)
-    return gf.load(folder / "beads.toml", folder / "work")
+from tests.photographs.photographed_heap import ANGLE, PROFILE, load
 
 
 def test_a_target_is_the_angle_that_the_photographs_have(folder: Path) -> None:
@@ -107,7 +71,7 @@ def test_a_picture_is_measured_once_as_long_as_the_code_is_the_same(folder: Path
 
 def test_a_calibration_keeps_what_an_earlier_version_has_measured(folder: Path) -> None:
     setup = load(folder, ANGLE)
-    keep_pictures(setup.file.photographed, folder / "work")
+    keep_pictures(setup.file.photographed, folder / "work", folder)
     for path in (folder / "work/photographs").glob("heap_*.json"):
         kept = json.loads(path.read_text())
         path.write_text(json.dumps({**kept, "angle": 30.0, "version": "before"}))
@@ -125,7 +89,7 @@ def test_hashes_of_the_originals_belong_to_the_calibration(folder: Path) -> None
 
 
 def test_pictures_that_changed_moved_or_are_gone_are_named(folder: Path) -> None:
-    keep_pictures(load(folder, ANGLE).file.photographed, folder / "work")
+    keep_pictures(load(folder, ANGLE).file.photographed, folder / "work", folder)
     first, second = folder / "heap_1.jpg", folder / "heap_2.jpg"
 
     first.rename(folder / "kept.jpg")
@@ -140,7 +104,7 @@ def test_pictures_that_changed_moved_or_are_gone_are_named(folder: Path) -> None
 
 def test_a_named_picture_that_moved_is_refused_with_file_key_and_line(folder: Path) -> None:
     named = 'targets.angle_of_repose = { photos = ["heap_1.jpg"], plate = "620 mm" }\n'
-    keep_pictures(load(folder, named).file.photographed, folder / "work")
+    keep_pictures(load(folder, named).file.photographed, folder / "work", folder)
     (folder / "other").mkdir()
     (folder / "heap_1.jpg").rename(folder / "other" / "heap_1.jpg")
 

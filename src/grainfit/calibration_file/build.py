@@ -252,7 +252,7 @@ class CalibrationSetup:
         if isinstance(strategy, Strategy):
             options["strategy"] = strategy
         if self.file.photographs:
-            keep_pictures(self.file.photographed, folder)
+            keep_pictures(self.file.photographed, folder, self.file.path.parent)
         with ExitStack() as stack:
             if self.cluster is not None:
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from fnmatch import fnmatch
@@ -17,11 +15,9 @@ from typing import NamedTuple
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.photographed import Original, PhotographedTarget
 from grainfit.errors import InputError
-from grainfit.files import is_file, is_folder, write_atomically
+from grainfit.files import is_file, is_folder
 from grainfit.options.places import Place, dotted, show
 
-#: List of the pictures with which a calibration was begun, beside what was measured on them.
-LIST_NAME = "pictures.json"
 #: Pictures near the calibration file that are searched for one that was moved.
 _MOST_SEARCHED = 300
 
@@ -39,6 +35,7 @@ def groups_of(
     given: Sequence[str], place: Place, *, videos: bool = False
 ) -> list[list[NamedFile]] | None:
     """Return the pictures of each heap, or videos; None after noting what is not there."""
+    from grainfit.photographs.kept_list import hash_of
     from grainfit.photographs.pictures import is_picture
     from grainfit.photographs.videos import is_video
 
@@ -54,7 +51,7 @@ def groups_of(
         for path in paths:
             inside = sorted(path.iterdir()) if is_folder(path) else [path]
             names = [
-                NamedFile(_shown(one, folder), one, _hash(one), at)
+                NamedFile(_shown(one, folder), one, hash_of(one), at)
                 for one in inside
                 if is_wanted(one) and is_file(one)
             ]
@@ -110,20 +107,13 @@ def begun_with(place: Place) -> Mapping[str, str]:
 
 def _find(digest: str, folder: Path) -> str:
     """Return the original with a hash beside the calibration file, or in a folder there."""
+    from grainfit.photographs.kept_list import hash_of
     from grainfit.photographs.pictures import is_picture
     from grainfit.photographs.videos import is_video
 
     near = [*folder.glob("*"), *folder.glob("*/*")][:_MOST_SEARCHED]
-    found = (one for one in near if (is_picture(one) or is_video(one)) and _hash(one) == digest)
+    found = (one for one in near if (is_picture(one) or is_video(one)) and hash_of(one) == digest)
     return next((_shown(one, folder) for one in found), "")
-
-
-def _hash(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError:
-        return ""
 
 
 def _changes(originals: Sequence[Original], folder: Path, place: Place) -> Iterator[str]:
@@ -155,17 +145,20 @@ def _changes(originals: Sequence[Original], folder: Path, place: Place) -> Itera
 
 def pictures_begun_with(folder: Path) -> dict[str, dict[str, str]]:
     """Return the hashes of the pictures with which a calibration was begun, by key and file."""
+    from grainfit.photographs.kept_list import read_list
+
     try:
-        targets = json.loads((folder / LIST_NAME).read_text(encoding="utf-8"))["targets"]
         return {
             str(one["key"]): {str(p["file"]): str(p["sha256"]) for p in one["pictures"]}
-            for one in targets
+            for one in read_list(folder)["targets"]
         }
-    except (OSError, ValueError, KeyError, TypeError):
+    except (KeyError, TypeError):
         return {}
 
 
-def keep_pictures(targets: Sequence[tuple[str, PhotographedTarget]], folder: Path) -> None:
+def keep_pictures(
+    targets: Sequence[tuple[str, PhotographedTarget]], folder: Path, originals: Path
+) -> None:
     """Write the list of the pictures with which a calibration begins into its work folder.
 
     Parameters
@@ -174,8 +167,11 @@ def keep_pictures(targets: Sequence[tuple[str, PhotographedTarget]], folder: Pat
         With the names of the responses in the problem.
     folder : Path
         The work folder.
+    originals : Path
+        Folder of the calibration file.
     """
     from grainfit.photographs.kept import FOLDER
+    from grainfit.photographs.kept_list import write_list
 
     place = folder / FOLDER
     place.mkdir(parents=True, exist_ok=True)
@@ -193,7 +189,7 @@ def keep_pictures(targets: Sequence[tuple[str, PhotographedTarget]], folder: Pat
         ]
         about = {"key": target.key, "response": response, "result": target.result}
         listed.append({**about, "pictures": pictures})
-    write_atomically(place / LIST_NAME, json.dumps({"targets": listed}))
+    write_list(folder, originals, listed)
 
 
 def hashes_of(targets: Sequence[tuple[str, PhotographedTarget]]) -> dict[str, dict[str, str]]:

@@ -43,6 +43,8 @@ class Drawing:
         The fitted lines, and through their middles lines at the target.
     walls : tuple of Line
         Walls of the apparatus; without any, the ground is a line at y = 0.
+    pixel_size : float or None
+        Size of a pixel, m; None where it is no length.
     """
 
     path: str
@@ -51,6 +53,7 @@ class Drawing:
     fitted: tuple[Line, ...] = ()
     wanted: tuple[Line, ...] = ()
     walls: tuple[Line, ...] = ()
+    pixel_size: float | None = None
 
 
 def draw(silhouette: Silhouette, view: View | None = None, target: float | None = None) -> Drawing:
@@ -69,6 +72,7 @@ def draw(silhouette: Silhouette, view: View | None = None, target: float | None 
         height=math.ceil(float(heights.max())) + 12,
         fitted=tuple(_line(flank, size) for flank in flanks),
         wanted=tuple(_through(_line(flank, size), target) for flank in flanks if target),
+        pixel_size=size,
     )
 
 

@@ -11,6 +11,12 @@ from jinja2 import PackageLoader
 from grainfit.report.page import element_text, page_part, valid_text
 from grainfit.report.rendering import environment
 
+_STYLES = (
+    "styles/report.css",
+    "sections/particles/style.css",
+    "sections/photographs/style.css",
+)
+
 
 def package_page(package: str, **values: Any) -> str:
     """Return the page of a package: one file that works offline.
@@ -19,12 +25,12 @@ def package_page(package: str, **values: Any) -> str:
     ----------
     package : str
         Its ``page.html.jinja`` is filled in; its ``style.css`` and ``script.js``, if it has them,
-        follow those of the report and of its drawings in three dimensions.
+        follow those of the report and of its drawings.
     **values
         Values of the other variables of the template.
     """
     own = files(package)
-    styles = [page_part("styles/report.css"), page_part("sections/particles/style.css")]
+    styles = [page_part(file) for file in _STYLES]
     scripts = [page_part("scripts/page.js"), page_part("sections/particles/script.js")]
     for texts, name in ((styles, "style.css"), (scripts, "script.js")):
         if (own / name).is_file():

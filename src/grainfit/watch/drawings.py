@@ -1,7 +1,8 @@
-"""Newest particles of every bulk test, for the drawing in three dimensions."""
+"""Newest particles of every bulk test, and photographs beside simulated heaps."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,22 +18,26 @@ from grainfit.report.sections.particles.shown_runs import (
     picture,
     shown_runs,
 )
+from grainfit.report.sections.photographs.comparison import compared
+from grainfit.report.sections.photographs.section import html_of
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
+#: Key of the photographs.
+_PHOTOGRAPHS = "photographs"
 #: Newest runs that are looked at for particles that can be read.
 _TRIES = 3
 
 
 @dataclass(frozen=True)
-class LatestParticles:
-    """The particles of the newest run of a test.
+class LatestDrawing:
+    """The particles of the newest run of a test, or photographs beside simulated heaps.
 
     Parameters
     ----------
     about : mapping
-        What the page shows beside them, with the ``key`` of the test and the ``run``.
+        What the page shows beside it, with its ``key``, its ``kind`` and the ``run``.
     content : str
-        Data of the drawing, or the kept picture, as JSON.
+        Data of the drawing, the kept picture, or HTML, as JSON.
     """
 
     about: dict[str, Any]
@@ -40,19 +45,20 @@ class LatestParticles:
 
 
 class LatestDrawings:
-    """Newest particles of each test; files are read only when a newer run has ended."""
+    """Newest drawings of each test; files are read only when a newer run has ended."""
 
     def __init__(self) -> None:
+        self._compared: object = None
         self._newest: dict[str, str] = {}
-        self._found: dict[str, LatestParticles] = {}
+        self._found: dict[str, LatestDrawing] = {}
 
     @property
-    def found(self) -> dict[str, LatestParticles]:
+    def found(self) -> dict[str, LatestDrawing]:
         """The drawings by key of the test."""
         return self._found
 
     def update(self, saved: SavedCalibration) -> bool:
-        """Read the particles of runs that are newer; return whether there are any."""
+        """Read the particles of runs that are newer; return whether anything has changed."""
         tests = shown_runs(saved.evaluations, saved.records, saved.folder)
         found = dict(self._found)
         for position, (test, runs) in enumerate(tests.items(), 1):
@@ -62,19 +68,41 @@ class LatestDrawings:
             self._newest[test] = newest[0].record.identity
             if latest := _latest(f"test-{position}", test if len(tests) > 1 else "", newest, saved):
                 found[f"test-{position}"] = latest
+        now = (dict(self._newest), saved.identity, saved.result is not None)
+        if now != self._compared:
+            self._compared = now
+            if photographs := _photographs(saved):
+                found[_PHOTOGRAPHS] = photographs
         changed = found != self._found
         self._found = found
         return changed
 
 
+def _photographs(saved: SavedCalibration) -> LatestDrawing | None:
+    comparisons = compared(saved)
+    if not comparisons:
+        return None
+    html = str(html_of(comparisons))
+    about = {
+        "key": _PHOTOGRAPHS,
+        "kind": "page",
+        "run": hashlib.sha256(html.encode("utf-8", errors="replace")).hexdigest(),
+        "title": "Photographed and simulated",
+        "words": "",
+        "particles": 0,
+        "ended": None,
+    }
+    return LatestDrawing(about, json.dumps(html))
+
+
 def _latest(
     key: str, test: str, newest: Sequence[ShownRun], saved: SavedCalibration
-) -> LatestParticles | None:
+) -> LatestDrawing | None:
     seen = first_readable(newest, _TRIES)
     if seen is not None:
         run, view = seen
         count = len(view.particles)
-        return LatestParticles(
+        return LatestDrawing(
             _about(key, test, run, saved) | {"particles": count, "kind": "scene"},
             str(script_json(scene_of(view))),
         )
@@ -82,7 +110,7 @@ def _latest(
     for run, image in images:
         if image:
             about = _about(key, test, run, saved) | {"particles": 0, "kind": "picture"}
-            return LatestParticles(about, json.dumps(image))
+            return LatestDrawing(about, json.dumps(image))
     return None
 
 

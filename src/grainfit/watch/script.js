@@ -324,11 +324,17 @@
     if (content === null || drawings.get(about.key).run !== about.run) {
       return;
     }
-    const section = make("section", { class: "section" },
-      make("h2", {}, about.title), make("p", {}, `${about.words}.`));
+    const section = make("section", { class: "section" }, make("h2", {}, about.title),
+      about.words ? make("p", {}, `${about.words}.`) : null);
+    const place = () =>
+      known.section ? known.section.replaceWith(section) : at("drawings").append(section);
     if (about.kind === "picture") {
       section.append(make("img", { class: "particles-picture", src: content, alt: about.words }));
-      known.section ? known.section.replaceWith(section) : at("drawings").append(section);
+      place();
+    } else if (about.kind === "page") {
+      // Of the report: every value in it is escaped, and no script of a page like this one runs.
+      section.append(...new DOMParser().parseFromString(content, "text/html").body.childNodes);
+      place();
     } else {
       const canvas = make("canvas", {
         class: "particles-3d", tabindex: "0", role: "img",
@@ -336,7 +342,7 @@
       });
       section.append(canvas, make("p", { class: "quiet" },
         `${counted(about.particles, "particle")}. Turn with the mouse, a finger, or the arrow keys; + and − zoom.`));
-      known.section ? known.section.replaceWith(section) : at("drawings").append(section);
+      place();
       known.draw = window.grainfitParticles(canvas, content, known.draw?.view());
     }
     known.section = section;

@@ -96,7 +96,7 @@ class _Handler(LocalHandler):
     def _send_drawing(self, key: str) -> None:
         found = self.server.follower.drawing(key)
         if found is None:
-            self.refuse(HTTPStatus.NOT_FOUND, "There are no such particles.")
+            self.refuse(HTTPStatus.NOT_FOUND, "There is no such drawing.")
         else:
             self.send(HTTPStatus.OK, JSON, found)
 

@@ -14,6 +14,7 @@ from grainfit.report.sections.curves.section import curves
 from grainfit.report.sections.explorer.section import explorer
 from grainfit.report.sections.holdout.section import holdout
 from grainfit.report.sections.particles.section import particles
+from grainfit.report.sections.photographs.section import photographs
 from grainfit.report.sections.predicted.section import predicted
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
@@ -27,6 +28,7 @@ from grainfit.report.sections.yield_locus.section import yield_locus
 #: Each returns its section, or None when it has no content.
 SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     answer,
+    photographs,
     curves,
     yield_locus,
     holdout,

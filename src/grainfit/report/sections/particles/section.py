@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from statistics import fmean
 from typing import Any
 
 import numpy as np
 
 from grainfit.bulk_tests.registry import bulk_tests, class_of_test
 from grainfit.bulk_tests.view import RunView, shown
-from grainfit.formatting import in_a_row, number, plain, unit_for_people, with_unit
+from grainfit.formatting import in_a_row, number, unit_for_people, with_unit
 from grainfit.measurement.drawing import Drawing
 from grainfit.plots.labels import Label
 from grainfit.problem import Target
@@ -23,7 +22,10 @@ from grainfit.report.sections.particles.shown_runs import (
     at_corners,
     first_readable,
     picture,
+    runs_to_show,
+    shown_response,
     shown_runs,
+    shown_target,
 )
 
 #: Parameters whose corners are shown in the strip, and parameters that are named below each.
@@ -89,15 +91,15 @@ def particles(context: ReportContext) -> Section:
 def _view(
     context: ReportContext, key: str, title: str, runs: list[ShownRun]
 ) -> tuple[SeenTest, dict[str, Any]]:
-    target = _target(context, runs)
-    candidates, words = _candidates(context, runs, target)
+    target = shown_target(context.reading, runs)
+    candidates, words = runs_to_show(context.reading, runs, target)
     found = first_readable(candidates)
     strip, scenes = _strip(context, key, runs, target)
     seen = SeenTest(
         key=key,
         title=title,
         noun=runs[0].shown.noun if runs else "particles",
-        response=_response(runs),
+        response=shown_response(runs),
         words=words,
         target="" if target is None else _with_unit(runs, target, target.value, 6),
         value="",
@@ -135,54 +137,12 @@ def _with_particles(
     )
 
 
-def _response(runs: list[ShownRun]) -> str:
-    """The response shown, in words."""
-    return plain(runs[0].shown.response.replace("_", " ")) if runs else ""
-
-
 def _with_unit(runs: list[ShownRun], target: Target | None, value: float, digits: int) -> str:
     """The value of the response shown, with its unit: that of the test, else of the target."""
     test = class_of_test(runs[0].record.definition) if runs else None
     info = test.responses.get(runs[0].shown.response) if test else None
     unit = info.unit if info else target.unit if target else ""
     return with_unit(number(value, digits), unit_for_people(unit))
-
-
-def _target(context: ReportContext, runs: list[ShownRun]) -> Target | None:
-    """The target of the response shown."""
-    names = {run.response for run in runs}
-    return next((target for target in context.targets if target.name in names), None)
-
-
-def _candidates(
-    context: ReportContext, runs: list[ShownRun], target: Target | None
-) -> tuple[list[ShownRun], str]:
-    """Runs to show, the best first, and a description of them."""
-    answer = context.answer
-    response = _response(runs)
-    verified = [
-        run
-        for run in runs
-        if run.evaluation.proposal.stage == "verification"
-        and run.evaluation.proposal.parameters == answer
-    ]
-    if verified:
-        mean = fmean(run.value for run in verified)
-        words = f"Of the verification runs, the one whose {response} is nearest to their mean"
-        return sorted(verified, key=lambda run: abs(run.value - mean)), words
-    if answer:
-        point = context.reading.problem.to_unit(answer)
-
-        def distance(run: ShownRun) -> float:
-            at = context.reading.problem.to_unit(run.evaluation.proposal.parameters)
-            return float(np.linalg.norm(at - point))
-
-        return sorted(runs, key=distance), "The run whose parameters are nearest to the answer"
-    if target is not None:
-        value = target.value
-        words = f"The run whose {response} is nearest to the measured one so far"
-        return sorted(runs, key=lambda run: abs(run.value - value)), words
-    return runs[::-1], "The last run"
 
 
 def _strip(

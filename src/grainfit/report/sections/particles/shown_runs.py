@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from statistics import fmean
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -24,9 +25,11 @@ from grainfit.evaluation import (
     scalars,
 )
 from grainfit.files import read_within
+from grainfit.formatting import plain
 from grainfit.measurement.particles import Particles
-from grainfit.problem import Problem
+from grainfit.problem import Problem, Target
 from grainfit.scenes.run_output import RunOutput
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 #: Above this number of particles, those deep inside are not shown.
 _MOST_PARTICLES = 20_000
@@ -113,6 +116,58 @@ def _shown(record: RunRecord) -> Shown | None:
     test = class_of_test(record.definition)
     found = shown(test)
     return None if found is None else found.of(record.responses)
+
+
+def shown_response(runs: Sequence[ShownRun]) -> str:
+    """Return the response shown of runs of one test, in words."""
+    return plain(runs[0].shown.response.replace("_", " ")) if runs else ""
+
+
+def shown_target(reading: SavedCalibration, runs: Iterable[ShownRun]) -> Target | None:
+    """Return the target of the response shown; None without one."""
+    names = {run.response for run in runs}
+    return next((target for target in reading.problem.targets if target.name in names), None)
+
+
+def runs_to_show(
+    reading: SavedCalibration, runs: Sequence[ShownRun], target: Target | None
+) -> tuple[list[ShownRun], str]:
+    """Return the runs of one test, the best to show first, and a description of that one.
+
+    Parameters
+    ----------
+    reading : SavedCalibration
+        The calibration.
+    runs : sequence of ShownRun
+        Runs of one test, the oldest first.
+    target : Target or None
+        Of the response shown.
+    """
+    answer = reading.result.parameters if reading.result else {}
+    response = shown_response(runs)
+    verified = [
+        run
+        for run in runs
+        if run.evaluation.proposal.stage == "verification"
+        and run.evaluation.proposal.parameters == answer
+    ]
+    if verified:
+        mean = fmean(run.value for run in verified)
+        words = f"Of the verification runs, the one whose {response} is nearest to their mean"
+        return sorted(verified, key=lambda run: abs(run.value - mean)), words
+    if answer:
+        point = reading.problem.to_unit(answer)
+
+        def distance(run: ShownRun) -> float:
+            at = reading.problem.to_unit(run.evaluation.proposal.parameters)
+            return float(np.linalg.norm(at - point))
+
+        return sorted(runs, key=distance), "The run whose parameters are nearest to the answer"
+    if target is not None:
+        value = target.value
+        words = f"The run whose {response} is nearest to the measured one so far"
+        return sorted(runs, key=lambda run: abs(run.value - value)), words
+    return list(runs[::-1]), "The last run"
 
 
 def read_view(run: ShownRun) -> RunView | None:
