@@ -299,7 +299,7 @@ def test_check_says_what_was_understood_and_that_the_drum_turns_otherwise(folder
 
 
 def test_a_video_that_moved_changed_or_is_gone_is_named(folder: Path) -> None:
-    keep_pictures(_load(folder, FILMED).file.photographed, folder / "work")
+    keep_pictures(_load(folder, FILMED).file.photographed, folder / "work", folder)
     video = folder / "turning.mp4"
     video.rename(folder / "kept.mp4")
 
