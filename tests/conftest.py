@@ -1,10 +1,17 @@
 """What all tests share."""
 
+import os
 import signal
+import sys
 from collections.abc import Iterator
 
 import pytest
 from threadpoolctl import threadpool_limits
+
+# Workers and children of the tests find compiled modules, as users do, also where an image of a
+# container forbids to keep them: each start would compile all of grainfit again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -289,8 +289,8 @@ def address(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 def evaluate(
     simulate: Callable[[dict[str, float], int], dict[str, float]], address: str, own: RunStore
 ) -> Evaluation:
-    """Ask for one run, which a process that shows no life for a second loses."""
-    timing = Timing(beat_seconds=0.2, lease_seconds=3.0)
+    """Ask for one run, which a process that shows no life when it is looked at five times loses."""
+    timing = Timing(beat_seconds=0.2, lease_seconds=1.0)
     with share(address, None, own, timing) as shared:
         solver = PythonCallable(simulate, identity="one run of two")
         campaign = Campaign({"drum": solver}, own, None, shared=shared)

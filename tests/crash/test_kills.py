@@ -34,14 +34,14 @@ def assert_nothing_happened(tally: Tally, injected: int) -> None:
     assert not tally.different
 
 
-@pytest.mark.slow
-def test_a_calibration_killed_at_30_random_moments_comes_to_the_same_answer(
-    tmp_path: Path,
+@pytest.mark.parametrize("kills", [10, pytest.param(30, marks=pytest.mark.thorough)])
+def test_a_calibration_killed_at_random_moments_comes_to_the_same_answer(
+    kills: int, tmp_path: Path
 ) -> None:
-    assert_nothing_happened(kill_at_random(VARIANTS[0], 30, tmp_path), 30)
+    assert_nothing_happened(kill_at_random(VARIANTS[0], kills, tmp_path), kills)
 
 
-# The first variant is that of the 30 kills.
+# The first variant is that of the kills above.
 @pytest.mark.parametrize("variant", VARIANTS[1:], ids=lambda variant: variant.name)
 def test_a_killed_calibration_goes_on_and_repeats_no_finished_run(
     variant: Variant, tmp_path: Path
@@ -60,8 +60,8 @@ def test_a_killed_worker_of_a_pool_ends_in_a_message_and_the_next_start_goes_on(
 
 
 def test_files_that_a_power_cut_left_incomplete_give_no_wrong_number(tmp_path: Path) -> None:
-    tally = kill_at_random(TRUNCATED, 5, tmp_path, disturb=truncate_newest)
-    assert_nothing_happened(tally, 5)
+    tally = kill_at_random(TRUNCATED, 3, tmp_path, disturb=truncate_newest)
+    assert_nothing_happened(tally, 3)
 
 
 def test_a_store_cut_short_is_made_again_by_following_the_message(tmp_path: Path) -> None:
