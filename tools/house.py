@@ -31,6 +31,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "units",
         "formatting",
         "files",
+        "pdf",
         "plain_data",
         "registration",
         "relative_names",

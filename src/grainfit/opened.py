@@ -69,6 +69,20 @@ class OpenedCalibration(SavedCalibration):
 
         return write_report(self, path)
 
+    def sheet(self, path: str | Path | None = None) -> Path:
+        """Write the customer's sheet and return its path; by default ``sheet.pdf`` in the folder.
+
+        Raises
+        ------
+        InputError
+            The calibration has no answer yet.
+        StoreError
+            The result is damaged, or the sheet cannot be written.
+        """
+        from grainfit.report.sheet.sheet import write_sheet
+
+        return write_sheet(self, path)
+
 
 def open_calibration(folder: str | Path) -> OpenedCalibration:
     """Open the work folder of a calibration for reading; the calibration may be running.

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pypdfium2
 import pytest
 from typer.testing import CliRunner
 
@@ -92,11 +94,19 @@ def test_the_sheet_is_a_page_of_paper(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, ["photo", "--marker", str(path)])
 
     assert found.exit_code == 0, found.output
-    text = path.read_text(encoding="ascii")
-    assert text.startswith("%PDF")
-    assert "/MediaBox [0 0 841.890 595.276]" in text
-    start = int(text.split("startxref\n")[1].split("\n")[0])
-    assert text[start:].startswith("xref")
+    with closing(pypdfium2.PdfDocument(path)) as document:
+        [page] = document
+        assert page.get_size() == pytest.approx((841.890, 595.276), abs=1e-3)
+        # Seen from straight above.
+        seen = np.array(page.render(scale=2).to_pil().convert("RGB"))
+        words = page.get_textpage().get_text_range()
+    assert "print at 100 %" in words
+    rows, columns = seen.shape[:2]
+    sheet = marker.find_marker_sheet(seen, 10.0 * columns, ((columns - 1) / 2, (rows - 1) / 2))
+    assert sheet is not None
+    assert sheet.elevation == pytest.approx(90, abs=2)
+    # The camera is ten widths of the paper away: lengths are as printed.
+    assert sheet.height == pytest.approx(10 * marker.WIDTH, rel=0.01)
 
 
 def test_no_picture_and_no_marker_is_said() -> None:

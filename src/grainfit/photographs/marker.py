@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from reportlab.pdfgen.canvas import Canvas
 
-from grainfit.files import write_atomically
+from grainfit.files import in_place_of
 from grainfit.photographs.pictures import opencv
 
 Array = NDArray[np.float64]
@@ -27,6 +28,10 @@ _LEVEL, _CORNER = 0.2, 0.5
 #: Corners of a flat sheet are where they should be within these, over the side of a marker.
 _FLAT = 0.04
 _POINTS = 72 / 0.0254
+_WORDS = (
+    "grainfit: print at 100 %, this line is 100 mm long. Lay it flat and level below the heap, or "
+    "before it."
+)
 
 
 @dataclass(frozen=True)
@@ -119,40 +124,15 @@ def write_marker_sheet(path: Path) -> None:
         ]
     # A scale of 100 mm, to be measured on the print.
     boxes.append((-0.05, -HEIGHT / 2 + _EDGE, 0.1, 0.0006))
-    drawn = "\n".join(
-        " ".join(f"{_POINTS * one:.3f}" for one in (x + WIDTH / 2, y + HEIGHT / 2, w, h)) + " re f"
-        for x, y, w, h in boxes
-    )
-    words = (
-        "grainfit: print at 100 %, this line is 100 mm long. Lay it flat and level below the heap, "
-        "or before it."
-    )
-    at = (_POINTS * (WIDTH / 2 - 0.076), _POINTS * (_EDGE + 0.003))
-    text = f"BT /F1 7 Tf {at[0]:.1f} {at[1]:.1f} Td ({words}) Tj ET"
-    write_atomically(path, _pdf(f"{drawn}\n{text}"))
-
-
-def _pdf(content: str) -> str:
-    """Return a PDF of one page with this content."""
-    size = f"{_POINTS * WIDTH:.3f} {_POINTS * HEIGHT:.3f}"
-    objects = (
-        "<< /Type /Catalog /Pages 2 0 R >>",
-        "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-        f"<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {size}] /Contents 4 0 R "
-        "/Resources << /Font << /F1 5 0 R >> >> >>",
-        f"<< /Length {len(content)} >>\nstream\n{content}\nendstream",
-        "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>",
-    )
-    text, starts = "%PDF-1.4\n", []
-    for number, one in enumerate(objects, 1):
-        starts.append(len(text))
-        text += f"{number} 0 obj\n{one}\nendobj\n"
-    table = "".join(f"{start:010d} 00000 n \n" for start in starts)
-    count = len(objects) + 1
-    return (
-        f"{text}xref\n0 {count}\n0000000000 65535 f \n{table}"
-        f"trailer << /Size {count} /Root 1 0 R >>\nstartxref\n{len(text)}\n%%EOF\n"
-    )
+    with in_place_of(path) as place:
+        canvas = Canvas(str(place), pagesize=(_POINTS * WIDTH, _POINTS * HEIGHT), invariant=1)
+        for x, y, width, height in boxes:
+            left, bottom = x + WIDTH / 2, y + HEIGHT / 2
+            canvas.rect(*(_POINTS * one for one in (left, bottom, width, height)), 0, 1)
+        canvas.setFont("Helvetica", 7)
+        canvas.drawCentredString(_POINTS * WIDTH / 2, _POINTS * (_EDGE + 0.003), _WORDS)
+        canvas.showPage()
+        canvas.save()
 
 
 def _dictionary() -> Any:

@@ -80,10 +80,10 @@ class ReportContext:
     @property
     def intervals(self) -> Mapping[str, ParameterInterval]:
         """95 % intervals of the parameters: those of the result, else those of the analysis."""
-        if self.posterior is None:
-            return {}
         result = self.reading.result
-        return (result.intervals if result else {}) or self.analysis.intervals
+        if result is not None and result.intervals and not self.reading.why_nothing_agrees:
+            return result.intervals
+        return {} if self.posterior is None else self.analysis.intervals
 
     @property
     def why_no_posterior(self) -> str:

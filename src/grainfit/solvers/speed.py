@@ -31,6 +31,19 @@ class Speed:
 
     sphere_steps: float
 
+    @classmethod
+    def of_run(cls, workload: Workload, seconds: float) -> Speed:
+        """Return the speed with which a run took as many seconds.
+
+        Examples
+        --------
+        >>> Speed.of_run(Workload(1e-5, 1000, 40_000, 1, 0.1), 50.0).cost(
+        ...     Workload(1e-5, 1000, 40_000, 1, 0.1)
+        ... ).wall_seconds
+        50.0
+        """
+        return cls(cls(1.0).cost(workload).wall_seconds / seconds)
+
     def cost(self, workload: Workload, ranks: int = 1) -> RunCost:
         """Estimate the cost of a run.
 

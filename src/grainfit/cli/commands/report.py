@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
+import typer
+
 from grainfit.cli import console as show
 from grainfit.cli import messages
 from grainfit.cli.consoles import err, err_remarks, out_remarks
@@ -22,12 +24,14 @@ from grainfit.cli.options import (
 )
 from grainfit.errors import RunFailedError
 
-_OUTPUT = "Where to write it, if not to report.html in DIR."
+_OUTPUT = "Where to write it, if not to report.html in DIR, or sheet.pdf."
+_SHEET = "Write two pages for a customer as PDF instead: values, tests, validity, forecast, hashes."
 
 
 def report(
     workdir: WorkFolder,
     output: Annotated[Path | None, output_option("FILE", _OUTPUT)] = None,
+    sheet: Annotated[bool, typer.Option("--sheet", help=_SHEET)] = False,
     open_it: OpenAfterwards = False,
     force: Force = False,
 ) -> None:
@@ -40,9 +44,18 @@ def report(
     'grainfit run' writes it at its end; this command writes it at any time.
     """
     require_free(output, force=force)
-    path = _write(workdir, output)
+    path = _write_sheet(workdir, output) if sheet else _write(workdir, output)
     if open_it:
         open_in_browser(path)
+
+
+def _write_sheet(workdir: Path, output: Path | None) -> Path:
+    with err_remarks.status("sheet"):
+        from grainfit.report.sheet.sheet import write_sheet
+
+        path = write_sheet(workdir, output)
+    out_remarks.print(f"Sheet: {path}", highlight=False, markup=False, soft_wrap=True)
+    return path
 
 
 @contextmanager

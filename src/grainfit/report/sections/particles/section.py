@@ -50,22 +50,22 @@ class StripRun:
 class SeenTest:
     """View of one bulk test on the page."""
 
-    key: str
-    title: str
     noun: str
     response: str
     words: str
     target: str
-    value: str
-    measured: str
-    drawing: Drawing | None
-    picture: str | None
-    particles: int
-    height: str
-    strip: Sequence[StripRun]
-    strip_width: int
-    strip_height: int
     chosen: bool
+    key: str = ""
+    title: str = ""
+    value: str = ""
+    measured: str = ""
+    drawing: Drawing | None = None
+    picture: str | None = None
+    particles: int = 0
+    height: str = ""
+    strip: Sequence[StripRun] = ()
+    strip_width: int = 1
+    strip_height: int = 1
 
 
 def particles(context: ReportContext) -> Section:
@@ -91,35 +91,37 @@ def particles(context: ReportContext) -> Section:
 def _view(
     context: ReportContext, key: str, title: str, runs: list[ShownRun]
 ) -> tuple[SeenTest, dict[str, Any]]:
+    seen, view = seen_test(context, runs)
+    strip, scenes = _strip(context, key, runs, shown_target(context.reading, runs))
+    seen = replace(
+        seen,
+        key=key,
+        title=title,
+        strip=strip,
+        strip_width=max((run.drawing.half_width for run in strip), default=1),
+        strip_height=max((run.drawing.height for run in strip), default=1),
+    )
+    return seen, scenes if view is None else {key: scene_of(view), **scenes}
+
+
+def seen_test(context: ReportContext, runs: list[ShownRun]) -> tuple[SeenTest, RunView | None]:
+    """Return a test with the picture of its best run, and that run; None if it cannot be read."""
     target = shown_target(context.reading, runs)
     candidates, words = runs_to_show(context.reading, runs, target)
     found = first_readable(candidates)
-    strip, scenes = _strip(context, key, runs, target)
     seen = SeenTest(
-        key=key,
-        title=title,
         noun=runs[0].shown.noun if runs else "particles",
         response=shown_response(runs),
         words=words,
         target="" if target is None else _with_unit(runs, target, target.value, 6),
-        value="",
-        measured="",
-        drawing=None,
-        picture=None,
-        particles=0,
-        height="",
-        strip=strip,
-        strip_width=max((run.drawing.half_width for run in strip), default=1),
-        strip_height=max((run.drawing.height for run in strip), default=1),
         chosen=len(context.parameters) > _NAMED,
     )
     if found is None:
         images = (picture(run) for run in candidates[:5])
-        return replace(seen, picture=next((image for image in images if image), None)), scenes
+        return replace(seen, picture=next((image for image in images if image), None)), None
     run, view = found
     value = _with_unit([run], target, run.value, 3)
-    shown = replace(_with_particles(seen, run, view, target), value=value)
-    return shown, {key: scene_of(view), **scenes}
+    return replace(_with_particles(seen, run, view, target), value=value), view
 
 
 def _with_particles(

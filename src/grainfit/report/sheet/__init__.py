@@ -1,0 +1,1 @@
+"""The customer's sheet: a calibrated material on two pages, as PDF."""
