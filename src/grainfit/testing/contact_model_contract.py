@@ -39,6 +39,7 @@ from grainfit.contact_models.hertz_mindlin.model import (
     EffectiveModuli,
     damping_factor,
     hertz_overlap,
+    hertz_stiffness,
     impact_overlap,
     impact_time,
     particle_moduli,
@@ -212,6 +213,8 @@ class HertzMindlinContract(ContactModelContract):
         overlap = 2 * RADIUS - np.ptp(motion.positions[:, :, 0], axis=1)
         deepest = impact_overlap(speed, MASS / 2, moduli, RADIUS / 2)
         assert overlap.max() == pytest.approx(deepest, rel=2e-3)
+        strongest = hertz_stiffness(deepest, moduli, RADIUS / 2) * deepest
+        assert motion.forces[:, 1, 0].max() == pytest.approx(strongest, rel=3e-3)
         assert motion.times[overlap > 0][-1] == pytest.approx(time, rel=5e-3)
         assert np.diff(motion.velocities[-1, :, 0]) == pytest.approx(speed, rel=2e-3)
 
@@ -293,7 +296,7 @@ class HertzMindlinContract(ContactModelContract):
     ) -> None:
         slide = {"particle_wall.sliding_friction": 0.5, **_NO_ROLLING}
         motion = simulate([_on_floor(resting, (0.5, 0.0, 0.0))], 0.08, slide, gravity=GRAVITY)
-        assert motion.velocities[-1, 0, 0] == pytest.approx(5 / 7 * 0.5, rel=0.02)
+        _require_rolling_after_sliding(motion, 0.5)
 
     def test_an_oblique_impact_that_slides_throughout_loses_mu_times_the_normal_impulse(
         self, simulate: Simulate
@@ -399,6 +402,13 @@ class LinearContract(ContactModelContract):
         lost = 0.5 - motion.velocities[-1, 0, 0]
         assert lost == pytest.approx(0.2 * GRAVITY * 0.05, rel=0.03)
 
+    def test_a_sliding_particle_ends_rolling_at_five_sevenths_of_its_speed(
+        self, simulate: Simulate
+    ) -> None:
+        start = _on_floor(MASS * GRAVITY / 1500.0, (0.5, 0.0, 0.0))
+        motion = simulate([start], 0.08, {"particle_wall.sliding_friction": 0.5}, gravity=GRAVITY)
+        _require_rolling_after_sliding(motion, 0.5)
+
     def test_an_oblique_impact_that_slides_throughout_loses_mu_times_the_normal_impulse(
         self, simulate: Simulate
     ) -> None:
@@ -466,6 +476,26 @@ class RollingContract(ContactModelContract):
     ) -> None:
         lost = 0.2 - roll(0.2, 0.15, self.undamped)
         assert lost == pytest.approx(5 / 7 * self.friction * GRAVITY * 0.15, rel=0.03)
+
+    def test_a_particle_rolls_down_a_slope_that_is_steeper_than_its_rolling_friction(
+        self, program: SingleContacts, simulate: Simulate
+    ) -> None:
+        name, factor = program.floor_rolling_friction
+        changes = {name: self.friction / factor, "particle_wall.sliding_friction": 0.5}
+        steepness = math.degrees(math.atan(self.friction))
+        start, options = _on_floor(_resting(program)), {"gravity": GRAVITY, "frames": 2}
+        material = {**changes, **self.undamped}
+        motion = simulate([start], 0.2, material, slope=3 * steepness, **options)
+        turned = math.radians(3 * steepness)
+        drive = math.sin(turned) - self.friction * math.cos(turned)
+        # Once the rolling spring is at its limit.
+        faster = float(np.diff(motion.velocities[1:, 0, 0])[0])
+        assert faster == pytest.approx(5 / 7 * GRAVITY * drive * 0.1, rel=0.03)
+
+        motion = simulate([start], 0.2, material, slope=0.3 * steepness, **options)
+        free = 5 / 7 * GRAVITY * math.sin(math.radians(0.3 * steepness)) * 0.2**2 / 2
+        # It rocks on its rolling spring.
+        assert abs(motion.positions[-1, 0, 0] - start.position[0]) < 0.3 * free
 
     def _rocking(self, program: SingleContacts) -> tuple[float, float]:
         """Return frequency (1/s) and start speed of rocking, a tenth of the way to the limit."""
@@ -577,6 +607,12 @@ def _on_floor(
 def _resting(program: SingleContacts) -> float:
     moduli = particle_moduli(BEADS, "wall")
     return hertz_overlap(MASS * GRAVITY, moduli, program.floor_radius * RADIUS)
+
+
+def _require_rolling_after_sliding(motion: Motion, speed: float) -> None:
+    """Require the speed and the spin of a sphere that has slid until it rolls."""
+    assert motion.velocities[-1, 0, 0] == pytest.approx(5 / 7 * speed, rel=0.02)
+    assert RADIUS * motion.spins[-1, 0, 1] == pytest.approx(5 / 7 * speed, rel=0.03)
 
 
 def _rocking_speed(program: SingleContacts, frequency: float, seconds: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,8 +25,6 @@ from grainfit.solvers.process.process import run_process
 _Vector = tuple[float, float, float]
 _TIMEOUT = 60.0
 _STILL: _Vector = (0.0, 0.0, 0.0)
-#: Half the edge of the box that contains the particles, m.
-_BOX = 0.2
 
 
 @dataclass(frozen=True)
@@ -80,11 +79,16 @@ class ContactCase:
     seconds : float
         Simulated time.
     gravity : float
-        Downwards, m/s^2.
+        m/s^2.
     frames : int
         Number of recorded frames, not counting the start.
     time_step_fraction : float
         Time step over the Rayleigh time step.
+    slope : float
+        Inclination of the floor, degrees: gravity is turned by it about the y axis, towards
+        positive x.
+    half_box : float
+        Half the edge of the box that contains the particles, m.
     """
 
     law: ContactLaw
@@ -94,6 +98,14 @@ class ContactCase:
     gravity: float = 0.0
     frames: int = 1
     time_step_fraction: float = 0.01
+    slope: float = 0.0
+    half_box: float = 0.2
+
+    @property
+    def downwards(self) -> _Vector:
+        """Direction of gravity."""
+        turned = math.radians(self.slope)
+        return (math.sin(turned), 0.0, -math.cos(turned))
 
     @property
     def steps(self) -> int:
@@ -192,7 +204,8 @@ class _DumpingProgram(SingleContacts):
             kind = case.radii.index(sphere.radius) + 1 if by_radius else 1
             atoms.append((number, kind, 2 * sphere.radius, density, *sphere.position))
             motions.append((number, *sphere.velocity, *sphere.spin))
-        limits = "\n".join(f"{-_BOX} {_BOX} {axis}lo {axis}hi" for axis in "xyz")
+        edge = case.half_box
+        limits = "\n".join(f"{-edge} {edge} {axis}lo {axis}hi" for axis in "xyz")
         path.write_text(
             f"Particles\n\n{len(atoms)} atoms\n{types} atom types\n\n{limits}\n\n"
             f"Atoms\n\n{_lines(atoms)}\n\nVelocities\n\n{_lines(motions)}\n",
@@ -202,8 +215,9 @@ class _DumpingProgram(SingleContacts):
     def _ending(self, case: ContactCase) -> str:
         every = case.steps // case.frames
         numbers = " ".join(["%d", *["%.15g"] * len(self._columns.split())])
+        x, y, z = case.downwards
         return (
-            f"fix gravity all gravity {case.gravity!r} vector 0 0 -1\n"
+            f"fix gravity all gravity {case.gravity!r} vector {x!r} {y!r} {z!r}\n"
             "fix motion all nve/sphere\n"
             f"timestep {case.time_step!r}\n"
             f"dump out all custom {every} out.dump id {self._columns}\n"
@@ -287,6 +301,8 @@ class YadeContacts(SingleContacts):
     solver: ClassVar[str] = "yade"
     input_name: ClassVar[str] = "single_contacts.py"
     floor_radius: ClassVar[float] = 0.5
+    #: Whether contacts with the floor are as stiff as in the decks of bulk tests, where `R*` is R.
+    has_floor_of_decks: ClassVar[bool] = False
     never_pulls: ClassVar[bool] = True
     rolling_load: ClassVar[str] = "typical"
     rolling_dashpot: ClassVar[str] = "none"
@@ -305,7 +321,7 @@ class YadeContacts(SingleContacts):
         body = yade_body(case.law)
         assert body.functors is not None
         particle = body.particle(contact)
-        if body.functors.material == "FrictMat":
+        if body.functors.material == "FrictMat" and not self.has_floor_of_decks:
             # As it is, not as stiff as contacts with the real wall are (`floor_radius`).
             wall = [a._replace(value=a.value.replace("particle.", "wall.")) for a in particle]
         else:
@@ -321,7 +337,7 @@ class YadeContacts(SingleContacts):
             physics=", ".join(arguments),
             law=law,
             spheres=[(s.position, s.velocity, s.spin, s.radius) for s in case.particles],
-            gravity=case.gravity,
+            gravity=tuple(case.gravity * part for part in case.downwards),
             time_step=case.time_step,
             frames=case.frames,
             every=every,
@@ -369,7 +385,7 @@ O.engines = [
     InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
                     [{functors.physics}({physics})],
                     [{functors.law}({law})]),
-    NewtonIntegrator(gravity=(0, 0, -{gravity!r}), damping=0),
+    NewtonIntegrator(gravity={gravity!r}, damping=0),
 ]
 O.dt = {time_step!r}
 spheres = []
