@@ -3,7 +3,8 @@
 
 Inherit `ImpactContract` as `grainfit.testing.scene_contract.SceneContract`. Particles start without
 spin: an impact with a spin is simulated in a frame of reference in which it has none, and the
-seventh impact of the reference (two opposite spins) is not among them.
+seventh impact of the reference (two opposite spins) is not among them. ``studies/benchmarks`` has
+all eight, with spins.
 
 References
 ----------

@@ -1,0 +1,191 @@
+"""Rows of the evidence table: each benchmark, its reference, what came out, and the command.
+
+Every figure is from records that a command keeps, or from the page where the output of a command
+stands that keeps none.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from studies.benchmarks import comparisons, disagreement
+from studies.benchmarks.impacts import SOLVERS
+
+ROOT = Path(__file__).parents[2]
+_IMPACTS = "python -m studies.benchmarks impacts"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a benchmark gave on a solver.
+
+    Parameters
+    ----------
+    words : str
+        Value or deviation, with its unit.
+    is_met : bool
+        Whether it agrees with the reference.
+    """
+
+    words: str
+    is_met: bool
+
+    def __str__(self) -> str:
+        return self.words if self.is_met else f"**{self.words}**"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A row of the table.
+
+    Parameters
+    ----------
+    benchmark, reference : str
+        What is compared, and with what.
+    results : mapping of str to Result
+        By solver; a solver that has not been run is left out.
+    command : str
+        That gave the figures.
+    """
+
+    benchmark: str
+    reference: str
+    results: Mapping[str, Result]
+    command: str
+
+
+def evidence(records: comparisons.Records) -> list[Evidence]:
+    """Return all rows."""
+    return [*_impacts(records), *_janssen(), *_pages(), _disagreement()]
+
+
+# --- elementary impacts ---------------------------------------------------------------------------
+
+#: Impacts, kind of reference, and the words of both.
+_SUMMARY = (
+    ((1, 2), comparisons.CLOSED, "elastic impacts (tests 1, 2)", "time, force, rebound of Hertz"),
+    ((3,), comparisons.CLOSED, "normal restitution (test 3)", "that of the material"),
+    ((4,), comparisons.SLIDING, "oblique impact (test 4), sliding", "closed form"),
+    ((4,), comparisons.PUBLISHED, "oblique impact (test 4)", "published DEM"),
+    ((4,), comparisons.EXPERIMENT, "oblique impact (test 4)", "experiment"),
+    ((5,), comparisons.SLIDING, "recoil (test 5), sliding", "closed form"),
+    ((5,), comparisons.PUBLISHED, "recoil (test 5)", "published DEM"),
+    ((6, 8), comparisons.SLIDING, "spinning spheres (tests 6, 8), sliding", "rigid bodies"),
+    ((6, 8), comparisons.PUBLISHED, "spinning spheres (tests 6, 8)", "published DEM"),
+    ((7,), comparisons.CLOSED, "opposite spins (test 7)", "unchanged"),
+)
+
+
+def _impacts(records: comparisons.Records) -> Iterator[Evidence]:
+    found = list(comparisons.rows(records))
+    for tests, kind, benchmark, reference in _SUMMARY:
+        chosen = [r for r in found if r.comparison.test in tests and r.comparison.reference == kind]
+        results = {}
+        for solver in SOLVERS:
+            known = [row for row in chosen if solver in row.deviations]
+            if known:
+                worst = max(row.deviations[solver][1] for row in known)
+                is_met = all(row.is_met(solver) for row in known)
+                results[solver] = Result(percent(worst), is_met)
+        if kind == comparisons.EXPERIMENT:
+            allowed = max(row.comparison.tolerance for row in chosen)
+            reference += f" (the paper's own DEM: {100 * allowed:.2g} %)"
+        yield Evidence(benchmark, reference, results, _IMPACTS)
+
+
+def percent(share: float) -> str:
+    """Return a share in percent, in words."""
+    if share < 0.001:
+        return "< 0.1 %"
+    return f"{100 * share:.1f} %" if share < 0.1 else f"{100 * share:.0f} %"
+
+
+# --- bulk -----------------------------------------------------------------------------------------
+
+
+def _janssen() -> Iterator[Evidence]:
+    """Compare the floor's share of the weight with Janssen's formula for the same bed."""
+    path = ROOT / "benchmarks" / "data" / "janssen.jsonl"
+    records = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    for key, tolerance, benchmark, reference in (
+        ("after_sum", 0.005, "weight of a bed on floor and walls", "its weight"),
+        ("hold_floor", 0.1, "load on the floor, after a fill", "Janssen"),
+        ("after_floor", 0.1, "load on the floor, lowered by 0.5 d", "Janssen"),
+    ):
+        worst: dict[str, float] = defaultdict(float)
+        for record in records:
+            found = record["responses"]
+            expected = 1.0 if key == "after_sum" else found["after_janssen"]
+            off = abs(found[key] / expected - 1)
+            worst[record["solver"]] = max(worst[record["solver"]], off)
+        results = {s: Result(percent(off), off <= tolerance) for s, off in worst.items()}
+        command = "python benchmarks/janssen.py --kept benchmarks/data/janssen.jsonl --table"
+        yield Evidence(benchmark, reference, results, command)
+
+
+def _pages() -> Iterator[Evidence]:
+    """Read the figures of commands whose output stands on a page."""
+    hopper, page = "docs/hopper_test.md", "docs/developers/benchmarks.md"
+    for outlet, c, k in (("round", 0.58, 1.4), ("slot", 1.04, 1.4)):
+        *_, found_k, found_c = _row(hopper, f"lammps | {outlet}")
+        is_met = abs(float(found_c) / c - 1) <= 0.1 and abs(float(found_k) - k) <= 0.2
+        yield Evidence(
+            f"flow out of a {outlet} outlet, C and k",
+            f"{c} and {k} (Beverloo)",
+            {"lammps": Result(f"{found_c} and {found_k}", is_met)},
+            "python benchmarks/hopper.py --kept benchmarks/data/hopper.jsonl --table",
+        )
+    wheat = {"lammps": _row(page, "0.4 | 1")[2]}
+    command = "wheat_drum.py --kept wheat.jsonl --slidings 0.4"
+    yield _angle("wheat in a drum", 36.17, 3.1, wheat, command)
+    lined = {"lammps": _row(page, "lined | 0.4")[3]}
+    command = "lethe_drum.py --kept drum.jsonl --seeds 2 --walls lined smooth"
+    yield _angle("drum of 6,000 spheres", 26.0, 1.0, lined, command)
+    piles = {
+        solver.lower(): _row(page, f"{solver} | periodic | 0.1 | 0.2")[5]
+        for solver in ("LAMMPS", "LIGGGHTS")
+    }
+    yield _angle("pile in a plate box", 19.7, 1.0, piles, "plate_discharge.py --kept plate.jsonl")
+
+
+def _row(page: str, start: str) -> list[str]:
+    """Return the cells of the row of a table on a page that begins with these."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    rows = re.findall(rf"^\| {re.escape(start)} \|.*$", text, re.MULTILINE)
+    assert len(rows) == 1, (page, start, len(rows))
+    return [cell.strip() for cell in rows[0].strip("|").split("|")]
+
+
+def _angle(
+    benchmark: str, published: float, tolerance: float, found: Mapping[str, str], command: str
+) -> Evidence:
+    """Return angles in degrees beside a published one."""
+    results = {}
+    for solver, cell in found.items():
+        angle = float(cell.split("°")[0])
+        off = angle - published
+        results[solver] = Result(f"{angle:g}° ({off:+.1f}°)", abs(off) <= tolerance)
+    reference = f"{published:g}° ± {tolerance:g}°"
+    return Evidence(benchmark, reference, results, f"python benchmarks/{command}")
+
+
+def _disagreement() -> Evidence:
+    """Return how far the second published calibration is from photographs it was not fitted to."""
+    off = {
+        speed: predicted["second"] - angle
+        for calibration, speed, angle, predicted in disagreement.predictions()
+        if calibration == "second" and speed not in disagreement.FITTED["second"]
+    }
+    words = ", ".join(f"{value:+.1f}° at {speed} rpm" for speed, value in off.items())
+    is_met = max(map(abs, off.values())) <= disagreement.AGREES
+    return Evidence(
+        "published calibration of cellulose, speeds held out",
+        "photographs",
+        {"published look-up": Result(words, is_met)},
+        "python -m studies.benchmarks page",
+    )

@@ -1,0 +1,107 @@
+"""Figures of the benchmarks: impacts and drums beside what was published and measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.measurement.line_panel import PlottedLine, line_panel
+from grainfit.measurement.sheet import OVERSAMPLING, sheet
+from studies.benchmarks import disagreement
+from studies.benchmarks.comparisons import Records
+from studies.benchmarks.impacts import abscissae
+from studies.benchmarks.published import curve
+
+#: Colours of Okabe & Ito, which the colour-blind can tell apart.
+_COLOURS = {"lammps": "#0072b2", "liggghts": "#e69f00", "yade": "#009e73"}
+_NAMES = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
+_MEASURED, _PUBLISHED = "#d55e00", "#616e7c"
+_SIZE = (700 * OVERSAMPLING, 420 * OVERSAMPLING)
+
+
+def draw_impacts(records: Records, path: Path) -> Path:
+    """Draw the fourth and the fifth impact to a PNG file."""
+    angle = "angle of incidence, degrees"
+    panels = []
+    for key, label in (
+        ("tangential_restitution", "tangential restitution"),
+        ("angular_velocity", "spin after the impact, 1/s"),
+        ("rebound_angle", "rebound angle of the contact patch, degrees"),
+    ):
+        lines = [
+            *_dots(curve(f"test4_{key}", "oxide"), 0.5, _PUBLISHED, "published DEM"),
+            *_dots(curve(f"test4_{key}", "experiment"), 0.5, _MEASURED, "experiment"),
+            *_lines(records, 4, "oxide", key),
+        ]
+        panels.append(line_panel(lines, angle, label, _SIZE, from_zero=False))
+    recoil = [
+        *_dots(curve("test5_recoil", "steel"), 0.08, _PUBLISHED, "published DEM"),
+        *_lines(records, 5, "steel", "recoil"),
+    ]
+    panels.append(
+        line_panel(
+            recoil,
+            "tangential over friction times normal velocity, before",
+            "the same, after",
+            _SIZE,
+            from_zero=False,
+        )
+    )
+    title = "Chung & Ooi's fourth and fifth impact"
+    words = "Aluminium oxide, friction 0.092, restitution 0.98; last: steel, friction 0.3."
+    sheet(title, words, panels, _SIZE[0]).save(path)
+    return path
+
+
+def draw_disagreement(path: Path) -> Path:
+    """Draw the angles of a drum over its speed to a PNG file."""
+    speeds = np.arange(10, 51)
+    look_up = disagreement.LookUp()
+    colours = {"first": "#e69f00", "second": "#0072b2"}
+    lines: list[PlottedLine] = []
+    for name, answer in disagreement.ANSWERS.items():
+        angles = np.array([float(look_up.angle(*answer, int(speed))) for speed in speeds])
+        label = f"{name} answer, by the look-up"
+        lines.append(PlottedLine(speeds, angles, label, colours[name]))
+        points = [
+            (speed, angle)
+            for (calibration, speed), (angle, _) in disagreement.photographed().items()
+            if calibration == name
+        ]
+        lines += _dots(np.array(points, dtype=float), 0.5, colours[name], f"{name} photographs")
+    size = (1000 * OVERSAMPLING, 520 * OVERSAMPLING)
+    panel = line_panel(
+        lines,
+        "speed of the drum, rpm",
+        "dynamic angle, degrees",
+        size,
+        from_zero=False,
+        across_from_zero=False,
+    )
+    title = "Two published calibrations of one powder"
+    words = "Lines are what either answer predicts; marks are what its photographs show."
+    sheet(title, words, [panel], size[0]).save(path)
+    return path
+
+
+def _lines(records: Records, test: int, body: str, key: str) -> list[PlottedLine]:
+    """Return a line for each solver."""
+    found = []
+    for run, record in records.items():
+        if (run.test, run.body) == (test, body):
+            x, y = abscissae(test, body), record["found"][key]
+            found.append(PlottedLine(x, y, _NAMES[run.solver], _COLOURS[run.solver]))
+    return found
+
+
+def _dots(
+    points: NDArray[np.float64], half: float, colour: str, label: str
+) -> Sequence[PlottedLine]:
+    """Return a short thick line for each point; the first one has the label."""
+    return [
+        PlottedLine([x - half, x + half], [y, y], "" if number else label, colour, 7)
+        for number, (x, y) in enumerate(points.tolist())
+    ]

@@ -1,0 +1,96 @@
+"""Write the page of the benchmarks, and the evidence table of the readme, from kept records."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import jinja2
+
+from benchmarks.kept_runs import read
+from grainfit.files import write_atomically
+from studies.benchmarks import comparisons, disagreement
+from studies.benchmarks.evidence import ROOT, evidence, percent
+from studies.benchmarks.impacts import SOLVERS, Run
+
+NAMES = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
+_PAGE = ROOT / "docs" / "studies" / "benchmarks.md"
+_IMAGES = ROOT / "docs" / "images"
+_README = ROOT / "README.md"
+_MARKED = re.compile("(?<=<!-- evidence -->\n).*(?=<!-- end of evidence -->)", re.DOTALL)
+
+
+def write_page(kept: Path) -> list[Path]:
+    """Write page, figures and table; return their paths."""
+    # Figures need Pillow, and nothing else does.
+    from studies.benchmarks.figures import draw_disagreement, draw_impacts
+
+    records = read(kept, Run)
+    write_atomically(_PAGE, page(records))
+    write_atomically(_README, readme(records))
+    return [
+        _PAGE,
+        _README,
+        draw_impacts(records, _IMAGES / "elementary_impacts.png"),
+        draw_disagreement(_IMAGES / "two_calibrations.png"),
+    ]
+
+
+def page(records: comparisons.Records) -> str:
+    """Return the page as text."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    return environment.get_template("benchmarks.md.jinja").render(
+        impacts=[_impact(row) for row in comparisons.rows(records)],
+        seconds=comparisons.processor_seconds(records),
+        names=NAMES,
+        impulse=comparisons.sliding_impulse(records),
+        published=comparisons.published_against_experiment,
+        tolerance=comparisons.TOLERANCE,
+        of_curves=comparisons.OF_CURVES,
+        answers=disagreement.ANSWERS,
+        fitted=disagreement.FITTED,
+        photographed=disagreement.photographed(),
+        predictions=disagreement.predictions(),
+        agreement=disagreement.agreement(),
+        agrees=disagreement.AGREES,
+        ridge=disagreement.along_the_ridge(),
+        search=disagreement.search_of_the_second(),
+    )
+
+
+def readme(records: comparisons.Records) -> str:
+    """Return the readme with its evidence table as the records give it."""
+    header = f"| benchmark | reference | {' | '.join(NAMES.values())} | command |"
+    lines = [header, "|---" * 6 + "|"]
+    for row in evidence(records):
+        cells = [str(row.results.get(solver, "")) for solver in SOLVERS]
+        if "published look-up" in row.results:
+            cells = [f"published look-up: {row.results['published look-up']}", "", ""]
+        lines.append(
+            f"| {row.benchmark} | {row.reference} | {' | '.join(cells)} | `{row.command}` |"
+        )
+    text = _README.read_text(encoding="utf-8")
+    assert _MARKED.search(text)
+    return _MARKED.sub(lambda _: "\n".join(lines) + "\n", text)
+
+
+def _impact(row: comparisons.Row) -> dict[str, object]:
+    unit, cells = row.comparison.unit, []
+    for solver in SOLVERS:
+        if solver not in row.deviations:
+            cells.append("not run")
+            continue
+        worst, share = row.deviations[solver]
+        words = percent(share)
+        # Times and forces of different bodies have no common scale.
+        if row.comparison.test > 2 and share >= 0.001:
+            words = f"{worst:.2g}{unit if unit == '°' else f' {unit}'.rstrip()} ({words})"
+        cells.append(words if row.is_met(solver) else f"**{words}**")
+    return {"comparison": row.comparison, "cells": cells}

@@ -1,0 +1,28 @@
+"""Published figures of the benchmarks, from the tables in ``data``."""
+
+from __future__ import annotations
+
+import csv
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+DATA = Path(__file__).parent / "data"
+
+
+@cache
+def curve(name: str, series: str) -> NDArray[np.float64]:
+    """Return the points of a published curve, shape (n, 2).
+
+    Parameters
+    ----------
+    name : str
+        File in ``data/chung_ooi``, without its ending.
+    series : str
+        Value of its first column.
+    """
+    with (DATA / "chung_ooi" / f"{name}.csv").open(encoding="utf-8") as file:
+        rows = csv.reader(line for line in file if not line.startswith("#"))
+        return np.array([row[1:] for row in rows if row[0] == series], dtype=float)
