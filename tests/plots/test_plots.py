@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import plotly.graph_objects as go
@@ -76,6 +77,25 @@ def test_a_figure_is_complete_and_escaped(saved: gf.OpenedCalibration, name: str
     titled = [axis["title"].get("text") for axis in axes if axis.get("visible", True)]
     assert any(titled)
     assert not any("<i>" in text or "<b>force" in text for text in texts(plain))
+
+
+def test_an_answer_by_runs_of_others_alone_has_a_report(tmp_path: Path) -> None:
+    stop = tmp_path / "stop"
+
+    def height(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        if stop.exists():
+            raise KeyboardInterrupt
+        return {"height": 3 * parameters["friction"]}
+
+    problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("height", 1.5)])
+    gf.calibrate(problem, height, workdir=tmp_path, seed=1)
+    stop.touch()
+    found = gf.calibrate(problem, height, workdir=tmp_path, seed=2)
+    assert (found.status, found.runs.total) == ("interrupted", 0)
+    assert found.parameters
+
+    opened = gf.open(tmp_path)
+    assert "friction" in render_page(ReportContext(opened, opened.analyse()))
 
 
 def test_figures_hold_the_data_of_the_page(saved: gf.OpenedCalibration) -> None:

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.analysis import messages
-from grainfit.analysis.size_trend import predict
+from grainfit.analysis.size_trend import Prediction, predict, together
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.size import resized, size_power
 from grainfit.calibration_file.starter import starter_file
@@ -68,6 +68,29 @@ def test_intervals_of_a_trend_hold_what_another_size_gives() -> None:
         held += abs(found.value - float(expected(4.0))) <= found.half_width
     # A stated 95 %; the form of the trend is never quite the true one.
     assert 185 <= held <= 200
+
+
+@pytest.mark.parametrize("between", [0.0, 0.05])
+def test_ratios_of_several_answers_hold_that_of_another_one(between: float) -> None:
+    random = np.random.default_rng(5)
+    held, widths = 0, []
+    for _ in range(400):
+        truth = random.normal(0.9, between, 7)
+        found = [Prediction(random.normal(one, 0.02), 0.02, 0.0) for one in truth[:-1]]
+        ratio = together(found)
+        held += abs(ratio.value - truth[-1]) <= ratio.half_width
+        widths.append(ratio.error)
+    # Six runs of each: 95 % by the normal quantile, less what it costs to estimate their spread.
+    assert 348 <= held <= 394
+    assert np.median(widths) == pytest.approx(
+        np.hypot(0.02 / 6**0.5, between * (7 / 6) ** 0.5), rel=0.2
+    )
+
+
+def test_the_form_of_the_trend_is_an_error_that_more_series_do_not_lower() -> None:
+    alone = Prediction(0.9, 0.01, 0.05)
+    assert together([alone]) == alone
+    assert together([alone] * 9).half_width == pytest.approx(0.05, rel=0.02)
 
 
 @pytest.mark.parametrize(

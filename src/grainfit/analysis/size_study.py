@@ -182,8 +182,7 @@ class SizesOfTest:
         sure = [float(e or 0.0) / g for e, g in zip(errors, growths, strict=True)]
         least = 1e-9 * (max(map(abs, free), default=1.0) or 1.0)
         trend = predict(scales, free, [max(e, least) for e in sure], math.cbrt(self.goal.times))
-        grown = self.growth(target, self.goal.times)
-        return Prediction(trend.value * grown, trend.half_width * grown)
+        return trend.times(self.growth(target, self.goal.times))
 
     def table(self, seeds: int) -> TextTable:
         """Return the responses at every size, and those of the trend."""

@@ -22,12 +22,24 @@ class Prediction:
     ----------
     value : float
         Of the trend.
-    half_width : float
-        Of its 95 % interval: scatter of the runs, and what another form of the trend would change.
+    error : float
+        Its standard error by the scatter of the runs.
+    form : float
+        What another form of the trend would change.
     """
 
     value: float
-    half_width: float
+    error: float
+    form: float
+
+    @property
+    def half_width(self) -> float:
+        """Half of the 95 % interval: scatter, and the form of the trend."""
+        return math.hypot(NORMAL_QUANTILE * self.error, self.form)
+
+    def times(self, factor: float) -> Prediction:
+        """Return the prediction of so many times the response."""
+        return Prediction(self.value * factor, self.error * abs(factor), self.form * factor)
 
 
 def predict(
@@ -55,7 +67,37 @@ def predict(
     sizes = np.asarray(scales, dtype=float)
     value, error = _line(1 / sizes, means, errors, 1 / scale)
     other, _ = _line(np.log(sizes), means, errors, math.log(scale))
-    return Prediction(value, math.hypot(NORMAL_QUANTILE * error, value - other))
+    return Prediction(value, error, other - value)
+
+
+def together(found: Sequence[Prediction]) -> Prediction:
+    """Return what predictions at several parameter sets tell of another one.
+
+    They scatter by the errors of each, and by what the parameter sets change: a mean of random
+    effects (DerSimonian & Laird, Control. Clin. Trials 7, 177, 1986). The form of the trend is
+    the same error in each, and stays.
+
+    Parameters
+    ----------
+    found : sequence of Prediction
+        Ratios of a response at one size to that at another.
+
+    Examples
+    --------
+    >>> one = Prediction(0.90, 0.04, 0.02)
+    >>> found = together([one, Prediction(0.94, 0.04, 0.02)])
+    >>> round(found.value, 3), round(found.error, 3), found.form
+    (0.92, 0.028, 0.02)
+    """
+    values, errors, forms = np.array([(p.value, p.error, p.form) for p in found]).T
+    weights = 1 / errors**2
+    mean = np.average(values, weights=weights)
+    excess = float(weights @ (values - mean) ** 2) - (len(found) - 1)
+    room = float(weights.sum() - (weights @ weights) / weights.sum())
+    between = max(0.0, excess / room) if len(found) > 1 else 0.0
+    weights = 1 / (errors**2 + between)
+    mean, form = (float(np.average(one, weights=weights)) for one in (values, forms))
+    return Prediction(mean, math.sqrt(1 / float(weights.sum()) + between), form)
 
 
 def _line(

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from grainfit.analysis.modulus_study import MeanResponse
 from grainfit.analysis.size_study import SizePlan, SizesOfTest, simulate_sizes
+from grainfit.analysis.size_trend import Prediction, together
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.twins import SizeRatio, Twins
 from grainfit.calibration_file import messages
@@ -99,6 +100,8 @@ class RealSizeCalibration:
         self._options = options
         self._result: Result | None = None
         self._runs = _AllRuns()
+        #: Ratio of each series of sizes, by target.
+        self._found: dict[str, list[Prediction]] = {}
 
     def run(self) -> Result:
         """Search, learn the ratios at the answer, search again; verify what there are runs for.
@@ -143,17 +146,24 @@ class RealSizeCalibration:
     # Ratios -----------------------------------------------------------------------------------
 
     def _learn(self, result: Result, twins: Twins) -> Twins:
-        """Return the twins with the ratios that a series of sizes at the answer gives."""
+        """Return the twins with the ratios of a series of sizes at the answer, and of those before.
+
+        Answers lie beside each other, and an extrapolation is the surer the more runs it has.
+        """
         ratios = dict(twins.ratios)
         for name, twin in self._twins.items():
             series = self._series(name, twin, result)
             for target in series.targets:
                 one, used = result.responses[target.name], twins.ratios[target.name]
-                there = _of_twin(one.predicted, one.standard_error, used)
+                expected = _of_twin(one.predicted, one.standard_error, used)
+                there = _weighed(expected, series.rows[0].responses.get(target.name))
                 found = _with_smallest(series, target.name, there).prediction(target)
                 if found is not None and found.value * there.mean > 0:
-                    error = found.half_width / NORMAL_QUANTILE
-                    ratios[target.name] = SizeRatio(found.value / there.mean, error)
+                    known = self._found.setdefault(target.name, [])
+                    known.append(found.times(1 / there.mean))
+                    ratio = together(known)
+                    error = abs(there.mean) * ratio.half_width / NORMAL_QUANTILE
+                    ratios[target.name] = SizeRatio(ratio.value, error)
         return replace(twins, ratios=ratios, are_measured=True)
 
     def _series(self, name: str, twin: Solver, result: Result) -> SizesOfTest:
@@ -310,6 +320,15 @@ def _of_twin(predicted: float, error: float, ratio: SizeRatio) -> MeanResponse:
     """Return what the metamodel expects of a twin, without the error of the ratio."""
     own = math.sqrt(max(0.0, error**2 - ratio.standard_error**2))
     return MeanResponse(predicted / ratio.value, own / ratio.value)
+
+
+def _weighed(expected: MeanResponse, found: MeanResponse | None) -> MeanResponse:
+    """Return what a metamodel expects and the mean of other runs, weighed by their errors."""
+    if found is None or not (found.standard_error and expected.standard_error):
+        return expected
+    own, other = expected.standard_error**-2, found.standard_error**-2
+    mean = (own * expected.mean + other * found.mean) / (own + other)
+    return MeanResponse(mean, (own + other) ** -0.5)
 
 
 def _with_smallest(series: SizesOfTest, target: str, there: MeanResponse) -> SizesOfTest:

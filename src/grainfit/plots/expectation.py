@@ -41,7 +41,7 @@ def checkpoints(saved: SavedCalibration) -> list[int]:
     """Return the numbers of runs after which metamodels are fitted; none without an answer."""
     most = min(len(saved.evaluations), max(_MOST_FITTED - len(saved.warm_start), _FEWEST_FITTED))
     has_answer = saved.result is not None and bool(saved.result.parameters)
-    if not has_answer or not can_be_fitted(saved.problem, _known_after(saved, most)):
+    if not has_answer or not most or not can_be_fitted(saved.problem, _known_after(saved, most)):
         return []
     least = next(n for n in range(most + 1) if can_be_fitted(saved.problem, _known_after(saved, n)))
     return sorted({round(float(n)) for n in np.geomspace(max(least, 1), most, _FITS)})
