@@ -55,6 +55,7 @@ def of_calibration(folder: Path) -> list[Any]:
         *setup.solvers.values(),
         saved.analyse(),
         gf.analyse_runs(setup, [str(folder / "work")]),
+        gf.Interview.open(folder / "beads.toml"),
         gf.expected_narrowing(setup.problem, setup.solvers),
     ]
 

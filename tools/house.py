@@ -55,7 +55,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("work_folder",),
     ("cards", "plots"),
     ("report",),
-    ("opened", "preview", "watch", "atlas_page", "photo_page"),
+    ("opened", "preview", "watch", "atlas_page", "photo_page", "interview"),
     ("animation",),
     ("cli",),
 )

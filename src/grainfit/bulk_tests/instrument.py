@@ -11,6 +11,7 @@ import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -143,6 +144,7 @@ def instrument_table() -> TextTable:
     return TextTable(("apparatus", "type", ""), tuple((i.name, i.type, i.title) for i in known))
 
 
+@cache
 def _read(stem: str) -> Instrument:
     data = tomllib.loads((_FOLDER / f"{stem}.toml").read_text(encoding="utf-8"))
     return Instrument(

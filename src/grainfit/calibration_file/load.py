@@ -36,6 +36,7 @@ def load_calibration_file(
     *,
     planned: bool = False,
     work_folder: Path | None = None,
+    text: str | None = None,
 ) -> CalibrationFile:
     """Read a calibration file.
 
@@ -48,6 +49,9 @@ def load_calibration_file(
     work_folder : Path, optional
         Where what is measured on photographs is kept; the default work folder of the file if not
         given.
+    text : str, optional
+        Content to read in place of that of the file, which need not exist: for edits that are not
+        saved yet.
 
     Returns
     -------
@@ -60,8 +64,8 @@ def load_calibration_file(
         With every fault of the file: key, line, offending value, and remedy.
     """
     path = Path(path)
-    text = _read_text(path)
-    document = _parse(text, path)
+    text = read_text(path) if text is None else text
+    document = parse_text(text, path)
 
     def kept_in() -> Path:
         # Imported here: most files name no photographs.
@@ -77,7 +81,14 @@ def load_calibration_file(
     return _calibration_file(values, path, findings)
 
 
-def _read_text(path: Path) -> str:
+def read_text(path: Path) -> str:
+    """Return the text of a calibration file.
+
+    Raises
+    ------
+    InputError
+        It is no readable text, or too large.
+    """
     try:
         if path.is_dir():
             raise _fault(path, "is a folder.", "Name the calibration file in it.")
@@ -98,7 +109,14 @@ def _read_text(path: Path) -> str:
         raise _fault(path, "is not UTF-8 text.", "Save it as UTF-8.", line_of(error)) from None
 
 
-def _parse(text: str, path: Path) -> dict[str, Any]:
+def parse_text(text: str, path: Path) -> dict[str, Any]:
+    """Return the tables of a calibration file.
+
+    Raises
+    ------
+    InputError
+        It is not TOML.
+    """
     deep = _DEEP_KEY.search(text)
     if deep is not None:
         start = text.count("\n", 0, deep.start()) + 1

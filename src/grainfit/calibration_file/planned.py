@@ -65,7 +65,7 @@ class PlannedFile:
         return next((t.planned for t in self.file.tests if t.name == test), {})
 
 
-def load_planned_file(path: str | Path) -> PlannedFile:
+def load_planned_file(path: str | Path, text: str | None = None) -> PlannedFile:
     """Read a calibration file in which measured values may be missing; nothing is executed.
 
     Parameters
@@ -73,13 +73,15 @@ def load_planned_file(path: str | Path) -> PlannedFile:
     path : path
         The file. A target may have an ``uncertainty`` alone, or no key at all; a test without
         targets could be measured in all its responses.
+    text : str, optional
+        Content to read in place of that of the file.
 
     Raises
     ------
     InputError
         With every fault of the file, its key and its line.
     """
-    file = load_calibration_file(Path(path), planned=True)
+    file = load_calibration_file(Path(path), planned=True, text=text)
     return PlannedFile(file, build_solvers(file))
 
 

@@ -36,6 +36,8 @@ _HEAD = """\
 #     grainfit check FILE     says what is wrong with it, and shows the plan
 #     grainfit run FILE       calibrates
 #
+"""
+_QUANTITIES = """\
 # A quantity is a number with its unit, in quotes: "10 mm". A plain number is in SI units, an
 # angle in degrees. A parameter that you know has a value:
 #     restitution = 0.79
@@ -151,16 +153,46 @@ def starter_file(
         faults = [f for test in tests for f in program.concept_faults(test.type, concepts(test))]
     if faults:
         raise InputError(faults)
-    first = _GLASS_BEADS
-    if material is not None:
-        first = "\n".join(_sections(material, solver, tests)) + "\n\n"
+    if material is None:
+        first = _for_solver(_GLASS_BEADS, solver)
+    else:
+        first = _material_part(material, solver, tests)
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
         instrument = instruments.get(name)
         own = f"{name}_{number}" if names.count(name) > 1 else name if instrument else ""
         lines = _test(known[kinds[name]], own, solver, material, instrument)
         blocks.append("\n".join(lines) + "\n\n")
-    return _HEAD + _for_solver(first, solver) + "".join(blocks) + _STRATEGY
+    return f"{_HEAD}{_QUANTITIES}{first}{''.join(blocks)}{_STRATEGY}"
+
+
+def file_without_tests(material: StartingMaterial, solver: str = _DEFAULT_SOLVER) -> str:
+    """Return a commented file of a material, before any test is chosen."""
+    return f"{_QUANTITIES}{_material_part(material, solver, ())}{_TESTS}\n{_STRATEGY}"
+
+
+def starter_test(
+    name: str, material: StartingMaterial | None = None, solver: str = _DEFAULT_SOLVER
+) -> str:
+    """Return the section of a test that is not measured yet: its targets are comments.
+
+    Parameters
+    ----------
+    name : str
+        A bulk test, or an instrument, whose test then has its name.
+    material : StartingMaterial, optional
+        Material that the examples are for.
+    solver : str
+        DEM program of the test.
+    """
+    instrument = read_instrument(name) if name in instrument_names() else None
+    test = bulk_tests()[instrument.type if instrument else name]
+    lines = _test(test, name if instrument else "", solver, material, instrument)
+    return "".join(f"{'# ' * line.startswith('targets.')}{line}\n" for line in lines)
+
+
+def _material_part(material: StartingMaterial, solver: str, tests: Sequence[BulkTest]) -> str:
+    return _for_solver("\n".join(_sections(material, solver, tests)) + "\n\n", solver)
 
 
 def _for_solver(sections: str, solver: str) -> str:

@@ -12,6 +12,7 @@ import typer
 from grainfit.cli.commands.advise import advise
 from grainfit.cli.commands.analyse import analyse
 from grainfit.cli.commands.apparatus import apparatus
+from grainfit.cli.commands.ask import ask
 from grainfit.cli.commands.atlas import atlas
 from grainfit.cli.commands.check import check
 from grainfit.cli.commands.compare import compare
@@ -47,7 +48,7 @@ app = CommandLine(
     parameter; grainfit runs the simulated tests, finds the parameters that
     reproduce the measurements, and verifies them.
 
-    First steps:  grainfit new my_material.toml  →  edit it  →
+    First steps:  grainfit ask my_material.toml  (or grainfit new, and an editor)  →
     grainfit check my_material.toml  →  grainfit run my_material.toml
     """,
 )
@@ -57,6 +58,7 @@ for _command in (
     estimate,
     atlas,
     preview,
+    ask,
     new,
     apparatus,
     materials,

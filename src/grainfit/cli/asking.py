@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import typer
 from rich.text import Text
@@ -11,6 +11,7 @@ from rich.text import Text
 from grainfit.cli import messages
 from grainfit.cli.consoles import err
 from grainfit.cli.verbosity import is_quiet
+from grainfit.errors import InputError
 from grainfit.formatting import plain
 
 
@@ -31,16 +32,35 @@ def choose(question: str, options: Mapping[str, str], usual: str) -> list[str]:
     usual : str
         Name that an empty answer chooses.
     """
-    names = list(options)
-    width = max(map(len, names))
-    for number, (name, words) in enumerate(options.items(), 1):
-        err.print(Text(f"{number:3}  {name:<{width}}  {plain(words)}"))
+    show_options(options)
     while True:
         answer = typer.prompt(f"{question} (number or name)", default=usual, err=True)
-        chosen = [_named(part.strip(), names) for part in answer.split(",")]
-        if all(chosen):
-            return chosen
-        err.print(messages.NOT_IN_LIST(), style="red")
+        try:
+            return as_names(answer.split(","), options)
+        except InputError as error:
+            err.print(str(error), style="red")
+
+
+def show_options(options: Mapping[str, str]) -> None:
+    """Print options with their numbers."""
+    width = max(map(len, options))
+    for number, (name, words) in enumerate(options.items(), 1):
+        err.print(Text(f"{number:3}  {name:<{width}}  {plain(words)}"))
+
+
+def as_names(answers: Iterable[str], options: Iterable[str]) -> list[str]:
+    """Return the options that numbers and names stand for.
+
+    Raises
+    ------
+    InputError
+        One of them stands for none.
+    """
+    names = list(options)
+    chosen = [_named(part.strip(), names) for part in answers]
+    if not all(chosen):
+        raise InputError(messages.NOT_IN_LIST.fault(""))
+    return chosen
 
 
 def _named(answer: str, names: list[str]) -> str:

@@ -49,3 +49,13 @@ MARKER_SHEET = Message(
 )
 EDIT_ONE = Message("is to be one picture.", "Edit one picture at a time.")
 NO_PICTURES = Message("is not given.", "Give pictures, or --marker FILE.pdf for the sheet.")
+
+# The interview.
+ANSWERS_KEPT = Message("The answers are kept in {file}. Go on with: grainfit ask {file}")
+LEFT = Message(
+    "The answers are in {file}. A sheet for the laboratory: grainfit ask {file} --sheet FILE.txt"
+)
+READY = Message("The calibration is in {file}. Start it: grainfit run {file} --watch")
+NO_ESTIMATE = Message("No estimate yet: {why}.")
+NO_SHEET = Message("has no test yet.", "Choose tests first: grainfit ask FILE.")
+SHEET_WRITTEN = Message("Wrote {file}. Print it, and take it to the laboratory.")

@@ -90,7 +90,8 @@ NO_POSITION = Message("has {count} numbers.", "Write three: x, y and z.")
 
 # Materials, walls, and the Rayleigh time step.
 NO_STARTING_MATERIAL = Message(
-    "{name!r} is no starting material.", "{instead} 'grainfit materials' lists all."
+    "{name!r} is no starting material.",
+    "{instead} 'grainfit materials' lists all; 'grainfit ask' begins with ranges of the class.",
 )
 NEAR_MATERIALS = Message("Use one that is near: {names}. Typical of {title}: {ranges}.")
 NOTHING_NEAR = Message("None is near; begin with one of its class.")

@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.materials import messages
 from grainfit.materials.from_published import (
     example_targets_of,
@@ -115,8 +115,48 @@ def read_starting_material(name: str) -> StartingMaterial:
     """
     stem = _stem_of(name)
     if not stem:
-        raise InputError(_unknown(name))
+        instead = near_materials(name)
+        raise InputError(
+            messages.NO_STARTING_MATERIAL.fault("material", name=name, instead=instead)
+        )
     return _read(stem)
+
+
+def material_of_class(of_class: MaterialClass, title: str) -> StartingMaterial:
+    """Return a material of which nothing is published: all of it is usual for its class.
+
+    Parameters
+    ----------
+    of_class : MaterialClass
+        Its class.
+    title : str
+        Its name for people.
+    """
+    return StartingMaterial(
+        name=of_class.name,
+        title=title,
+        about=tuple(remarks_on({}, of_class)),
+        example_targets=example_targets_of({}, of_class),
+        sections=sections_of({}, of_class),
+        suggested=suggested_of(of_class),
+        material_class=of_class,
+        synonyms=(),
+        moisture="",
+        published={},
+    )
+
+
+def near_materials(name: str) -> str:
+    """Return what is near an unknown material: names, and what its class usually has."""
+    near, known = _sharing_a_word(name), class_of_words(name)
+    if not near:
+        near = _written_alike(name) if known is None else materials_like(of_class=known.name)
+    if known is None and near:
+        known = near[0].material_class
+    if known is None:
+        return messages.NOTHING_NEAR()
+    names, ranges = ", ".join(m.name for m in near), typical_ranges(known.name)
+    return messages.NEAR_MATERIALS(names=names, title=known.title, ranges=ranges)
 
 
 def materials_like(words: str = "", of_class: str = "") -> list[StartingMaterial]:
@@ -161,21 +201,6 @@ def typical_ranges(of_class: str) -> str:
     ):
         parts.append(f"{name} friction to search {low:g} to {high:g}")
     return ", ".join(parts)
-
-
-def _unknown(name: str) -> Fault:
-    """Return the fault of an unknown name: what is near, and what its class usually has."""
-    near, known = _sharing_a_word(name), class_of_words(name)
-    if not near:
-        near = _written_alike(name) if known is None else materials_like(of_class=known.name)
-    if known is None and near:
-        known = near[0].material_class
-    if known is None:
-        instead = messages.NOTHING_NEAR()
-    else:
-        names, ranges = ", ".join(m.name for m in near), typical_ranges(known.name)
-        instead = messages.NEAR_MATERIALS(names=names, title=known.title, ranges=ranges)
-    return messages.NO_STARTING_MATERIAL.fault("material", name=name, instead=instead)
 
 
 def _sharing_a_word(name: str) -> list[StartingMaterial]:

@@ -122,6 +122,11 @@ def run(
     raise typer.Exit(OF_STATUS[ending.result.status])
 
 
+def calibrate_file(file: Path) -> None:
+    """Calibrate as ``grainfit run FILE`` does."""
+    run.__wrapped__(file, search_options={})  # type: ignore[attr-defined]
+
+
 def _setup(file: Path, folder: Path, local: bool) -> CalibrationSetup:
     from grainfit.calibration_file.build import load_calibration
     from grainfit.campaign.cluster.executor import missing_scheduler

@@ -1,0 +1,285 @@
+"""Answers of the interview: each is one edit of the calibration file."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration_file.starter import file_without_tests, starter_test
+from grainfit.errors import InputError
+from grainfit.interview import messages
+from grainfit.interview.equipment import equipment, ways
+from grainfit.interview.file_text import (
+    note,
+    with_note,
+    with_test,
+    with_value,
+    without_test,
+    without_value,
+)
+from grainfit.interview.measured import MEASURED, read_measured
+from grainfit.materials.material_classes import class_of_words, material_classes
+from grainfit.materials.particle_shape import FAMILIES
+from grainfit.materials.starting_materials import (
+    StartingMaterial,
+    material_of_class,
+    near_materials,
+    read_starting_material,
+)
+from grainfit.options.kinds import Choice, Flag
+
+#: Notes that the file keeps as comments.
+MATERIAL, MOISTURE, AT_HAND, ASKED = "material", "moisture of the sample", "at hand", "asked"
+SPHERE = "sphere"
+_HEAD = """\
+# Calibration file of grainfit, written by its interview. 'grainfit ask FILE' in a terminal and
+# 'grainfit start FILE' in the browser go on with it, and an editor does as well.
+"""
+#: Largest surface energy of a search where the class says none, and aspect ratio to begin with.
+_COHESION, _ASPECT_RATIO = "0.05 J/m^2", 1.5
+#: Keys of a target that say nothing was measured yet.
+_WIDTHS = {"uncertainty", "systematic", "tolerance", "weight", "statistic", "unit"}
+_BARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|true|false")
+_ENDS = re.compile(r"\s*(?:\bto\b|\.\.+|–)\s*")
+
+
+def material_of(text: str) -> StartingMaterial | None:
+    """Return the material that a file begins with; None where a person wrote it."""
+    name = note(text, MATERIAL)
+    if name in (classes := material_classes()):
+        return material_of_class(classes[name], tomllib.loads(text).get("name", name))
+    try:
+        return read_starting_material(name) if name else None
+    except InputError:
+        return None
+
+
+def new_file(given: str, solver: str) -> str:
+    """Return the file of a material, before any test.
+
+    Raises
+    ------
+    InputError
+        It is no starting material, and its name says no class.
+    """
+    title = " ".join(given.split())
+    if not title:
+        raise InputError(messages.NO_MATERIAL.fault(MATERIAL))
+    if title in material_classes():
+        material = material_of_class(material_classes()[title], title)
+    else:
+        try:
+            material = read_starting_material(title)
+        except InputError:
+            known = class_of_words(title)
+            if known is None:
+                instead = near_materials(title)
+                fault = messages.UNKNOWN_MATERIAL.fault(MATERIAL, given=title, instead=instead)
+                raise InputError(fault) from None
+            material = material_of_class(known, title)
+    body = file_without_tests(replace(material, title=_quotable(title)), solver)
+    return f"{_HEAD}#\n# {MATERIAL}: {material.name}\n#\n{body}"
+
+
+def set_note(text: str, name: str, given: str) -> str:
+    """Return the text with a note."""
+    return with_note(text, name, given) if given or note(text, name) else text
+
+
+def set_diameter(text: str, given: str) -> str:
+    """Return the text with another diameter, sieve classes, or the table of a sieve analysis."""
+    path = ("particle", "diameter")
+    if re.search(r"\.(csv|tsv|txt|dat)$", given, re.IGNORECASE):
+        return with_value(text, path, f"{{ sieve_curve = {_quoted(given)} }}")
+    parts = [part.split(":") for part in re.split(r"[;\n]", given) if part.strip()]
+    if len(parts) == 1 and len(parts[0]) == 1:
+        return with_value(text, path, _length(given))
+    if any(len(part) != 2 for part in parts) or not parts:
+        raise InputError(messages.NO_SIZES.fault("particle.diameter", given=given))
+    classes = ", ".join(
+        f"{{ value = {_length(size)}, mass_fraction = {_share(share)} }}" for size, share in parts
+    )
+    return with_value(text, path, f"[{classes}]")
+
+
+def set_density(text: str, given: str) -> str:
+    """Return the text with a known density of the particles, or an interval."""
+    path, ends = ("particle", "density"), _ENDS.split(given.strip())
+    if len(ends) == 1:
+        return with_value(text, path, _quoted(ends[0]))
+    if len(ends) != 2 or not all(ends):
+        raise InputError(messages.NO_DENSITY.fault("particle.density", given=given))
+    unit = re.sub(r"^[\d.eE+-]+\s*", "", ends[1])
+    low = ends[0] if re.search(r"[A-Za-z]", ends[0]) else f"{ends[0]} {unit}"
+    return with_value(text, path, f"{{ min = {_quoted(low)}, max = {_quoted(ends[1])} }}")
+
+
+def set_wall_friction(text: str, given: str) -> str:
+    """Return the text with a friction on walls, or the angle at which the material slides."""
+    path = ("particle_wall", "sliding_friction")
+    value, *error = re.split(r"±|\+\s*/?\s*-", given)
+    if not re.search(r"deg|°", given):
+        return with_value(text, path, _toml(given))
+    angle = value.strip() if re.search(r"deg|°", value) else f"{value.strip()} deg"
+    entries = f"measured_angle = {_quoted(angle)}"
+    if error:
+        width = error[0].strip()
+        width = width if re.search(r"deg|°", width) else f"{width} deg"
+        entries += f", uncertainty = {_quoted(width)}"
+    return with_value(text, path, f"{{ {entries} }}")
+
+
+def set_shape(text: str, given: str) -> str:
+    """Return the text with a family of clumps, or with spheres."""
+    [name] = _chosen("particle.shape", [given], (SPHERE, *FAMILIES))
+    particle = tomllib.loads(text).get("particle", {})
+    if name == SPHERE:
+        for key in ("shape", "aspect_ratio"):
+            if key in particle:
+                text = without_value(text, ("particle", key))
+        return text
+    text = with_value(text, ("particle", "shape"), _quoted(name))
+    if "aspect_ratio" not in particle:
+        text = with_value(text, ("particle", "aspect_ratio"), str(_ASPECT_RATIO))
+    return text
+
+
+def set_cohesion(text: str, given: str) -> str:
+    """Return the text with a free surface energy, or without one."""
+    [answer] = _chosen("cohesion", [given], ("no", "yes"))
+    section, key = "particle_particle", "surface_energy"
+    is_there = key in tomllib.loads(text).get(section, {})
+    if answer == "yes" and not is_there:
+        material = material_of(text)
+        largest = (material and material.material_class.cohesion) or _COHESION
+        return with_value(text, (section, key), f"{{ min = 0, max = {_quoted(largest)} }}")
+    if answer == "no" and is_there:
+        return without_value(text, (section, key))
+    return text
+
+
+def set_at_hand(text: str, given: str) -> str:
+    """Return the text with a note of what the laboratory has."""
+    names = _chosen(AT_HAND, given.split(","), equipment())
+    return with_note(text, AT_HAND, ", ".join(names))
+
+
+def at_hand(text: str) -> list[str]:
+    """Return what the laboratory has, by the note."""
+    return [name for part in note(text, AT_HAND).split(",") if (name := part.strip())]
+
+
+def set_tests(text: str, given: str, solver: str) -> str:
+    """Return the text with these tests; those that a person wrote stay as they are.
+
+    Raises
+    ------
+    InputError
+        One of them is not known, or one that is left out has measured values.
+    """
+    known = {way.name for way in ways(at_hand(text))}
+    present = named_tests(text)
+    if not known:
+        raise InputError(messages.NO_TESTS.fault("tests"))
+    wanted = _chosen("tests", given.split(","), (*known, *(name for name, _ in present)))
+    for number in reversed(range(len(present))):
+        name, test = present[number]
+        if name in wanted or name not in known:
+            continue
+        if is_measured(test):
+            raise InputError(messages.TEST_IS_MEASURED.fault("tests", name=name))
+        text = without_test(text, number)
+    names = {name for name, _ in present}
+    for name in wanted:
+        if name not in names:
+            text = with_test(text, starter_test(name, material_of(text), solver))
+    return text
+
+
+def named_tests(text: str) -> list[tuple[str, dict[str, Any]]]:
+    """Return the tests of a file, each with its name."""
+    found = tomllib.loads(text).get("test", []) if text else []
+    return [(str(one.get("name", one.get("type"))), one) for one in found if isinstance(one, dict)]
+
+
+def is_measured(test: dict[str, Any]) -> bool:
+    """Return whether a test of a file has a target with a value, a table or photographs."""
+    targets = test.get("targets", {})
+    return any(isinstance(one, dict) and one.keys() - _WIDTHS for one in targets.values())
+
+
+def set_option(text: str, number: int, test: dict[str, Any], option: str, given: str) -> str:
+    """Return the text with an option of a test."""
+    kind = next(k.kind for k in BUILT_IN[test["type"]].option_keys() if k.name == option)
+    if isinstance(kind, Flag):
+        given = {"yes": "true", "no": "false"}.get(given, given)
+    toml = _quoted(given) if isinstance(kind, Choice) else _toml(given)
+    return with_value(text, ("test", number, option), toml)
+
+
+def set_measured(text: str, number: int, test: dict[str, Any], response: str, given: str) -> str:
+    """Return the text with what was measured; tolerance and weight of a target stay."""
+    path = ("test", number, "targets", response)
+    unit = BUILT_IN[test["type"]].responses[response].unit
+    before = test.get("targets", {}).get(response, {})
+    target = read_measured(f"{path[0]}[{number}].targets.{response}", given, unit).target()
+    kept = {key: value for key, value in before.items() if key not in MEASURED}
+    pairs = ", ".join(f"{key} = {_value(value)}" for key, value in {**target, **kept}.items())
+    return with_value(text, path, f"{{ {pairs} }}")
+
+
+def without_measured(text: str, number: int, test: dict[str, Any], response: str) -> str:
+    """Return the text without a target."""
+    if list(test["targets"]) == [response]:
+        return without_value(text, ("test", number, "targets"))
+    return without_value(text, ("test", number, "targets", response))
+
+
+def _chosen(key: str, given: Iterable[str], known: Iterable[str]) -> list[str]:
+    names = [name for part in given if (name := part.strip())]
+    known = list(known)
+    for name in names:
+        if name not in known:
+            row = ", ".join(known)
+            raise InputError(messages.NO_CHOICE.fault(key, given=name, known=row))
+    if not names:
+        raise InputError(messages.NO_CHOICE.fault(key, given="", known=", ".join(known)))
+    return list(dict.fromkeys(names))
+
+
+def _length(text: str) -> str:
+    """Return a length as TOML; a bare number would be metres, which nobody means."""
+    if _BARE.fullmatch(text.strip()):
+        fault = messages.NO_UNIT.fault("particle.diameter", given=text.strip(), example="3 mm")
+        raise InputError(fault)
+    return _quoted(text.strip())
+
+
+def _share(text: str) -> str:
+    """Return a share of the mass as TOML: a number, or a percentage in quotes."""
+    return _toml(text.strip())
+
+
+def _toml(given: str) -> str:
+    given = given.strip()
+    return given if _BARE.fullmatch(given) else _quoted(given)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {_value(one)}' for key, one in value.items())} }}"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _quotable(title: str) -> str:
+    """Return a title that a line of TOML takes as it is."""
+    return re.sub(r'["\\\x00-\x1f\x7f]', " ", title)

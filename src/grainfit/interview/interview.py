@@ -1,0 +1,287 @@
+"""The interview: a calibration file, the questions that it leads to, and what they give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grainfit.calibration_file.build import CalibrationSetup, build_calibration
+from grainfit.calibration_file.load import load_calibration_file, parse_text, read_text
+from grainfit.calibration_file.planned import load_planned_file
+from grainfit.calibration_file.starter import starter_test
+from grainfit.errors import Fault, InputError
+from grainfit.files import write_atomically
+from grainfit.formatting import in_a_row
+from grainfit.interview import answers, messages
+from grainfit.interview.equipment import way_of, ways
+from grainfit.interview.file_text import note, with_note, with_test, with_value, without_test
+from grainfit.interview.questions import Question, questions_of
+from grainfit.interview.record_sheet import record_sheet
+from grainfit.materials.starting_materials import near_materials, read_starting_material
+from grainfit.one_line import OneLine
+
+if TYPE_CHECKING:
+    from grainfit.atlas.estimate import Estimate
+    from grainfit.calibration_file.plan import Plan
+    from grainfit.which_test.measurement_plan import MeasurementPlan
+
+
+@dataclass(frozen=True, repr=False)
+class Interview(OneLine):
+    """Questions that lead from a material and a laboratory to a calibration file.
+
+    All that it knows is in the file, so that it goes on wherever it ended, also after an editor.
+
+    Parameters
+    ----------
+    path : Path
+        The calibration file; its folder is where tables of the material are.
+    text : str
+        Its content; empty before the first answer.
+    solver : str
+        DEM program of tests that are added.
+
+    Examples
+    --------
+    >>> import grainfit as gf
+    >>> asked = gf.Interview.open("pellets.toml")  # doctest: +SKIP
+    >>> asked = asked.answered("material", "wood pellets")  # doctest: +SKIP
+    >>> asked = asked.answered("diameter", "6 mm")  # doctest: +SKIP
+    >>> asked.save()  # doctest: +SKIP
+    """
+
+    path: Path
+    text: str = ""
+    solver: str = "lammps"
+
+    @classmethod
+    def open(cls, path: str | Path, solver: str = "lammps") -> Interview:
+        """Open the file of an interview, or any calibration file; it need not be there yet.
+
+        Raises
+        ------
+        InputError
+            It cannot be read, or is not TOML.
+        """
+        path = Path(path)
+        if not path.exists():
+            return cls(path, "", solver)
+        text = read_text(path)
+        parse_text(text, path)
+        return cls(path, text, solver)
+
+    def questions(self) -> tuple[Question, ...]:
+        """Return all questions so far, with the answers that the file has."""
+        return tuple(questions_of(self.text))
+
+    def answered(self, key: str, given: str) -> Interview:
+        """Return the interview after an answer; an empty one passes the question over.
+
+        Parameters
+        ----------
+        key : str
+            Of one of `questions`.
+        given : str
+            As one types it.
+
+        Raises
+        ------
+        InputError
+            The answer is impossible; the file would have these faults.
+        """
+        question = next((one for one in self.questions() if one.key == key), None)
+        if question is None:
+            known = messages.NOT_BEGUN if not self.text else messages.NO_QUESTION
+            raise InputError(known.fault(answers.MATERIAL if not self.text else key))
+        given = given.strip()
+        changed = self.text
+        if given != question.answer and (given or ".targets." in key):
+            changed = self._changed(key, given)
+            self._require_no_new_fault(changed)
+        if not changed:
+            raise InputError(messages.NO_MATERIAL.fault(key))
+        asked = note(changed, answers.ASKED).split()
+        if key not in asked:
+            changed = with_note(changed, answers.ASKED, " ".join([*asked, key]))
+        return replace(self, text=changed)
+
+    def _changed(self, key: str, given: str) -> str:
+        text = self.text
+        edits: dict[str, Callable[[str, str], str]] = {
+            "material": self._with_material,
+            "moisture": lambda text, given: answers.set_note(text, answers.MOISTURE, given),
+            "diameter": answers.set_diameter,
+            "shape": answers.set_shape,
+            "aspect_ratio": _with_aspect_ratio,
+            "density": answers.set_density,
+            "wall_friction": answers.set_wall_friction,
+            "cohesion": answers.set_cohesion,
+            "at_hand": answers.set_at_hand,
+            "tests": partial(_with_tests, solver=self.solver),
+        }
+        if key in edits:
+            return edits[key](text, given)
+        name, _, rest = key.partition(".")
+        number, test = next(
+            (n, test) for n, (own, test) in enumerate(answers.named_tests(text)) if own == name
+        )
+        response = rest.removeprefix("targets.")
+        if response == rest:
+            return answers.set_option(text, number, test, rest, given)
+        if given:
+            return answers.set_measured(text, number, test, response, given)
+        return answers.without_measured(text, number, test, response)
+
+    def _with_material(self, text: str, given: str) -> str:
+        if answers.named_tests(text):
+            raise InputError(messages.OTHER_MATERIAL.fault(answers.MATERIAL))
+        return answers.new_file(given, self.solver)
+
+    def _require_no_new_fault(self, changed: str) -> None:
+        found = _faults(self.path, changed)
+        if found:
+            before = {(fault.key, fault.message) for fault in _faults(self.path, self.text)}
+            found = [fault for fault in found if (fault.key, fault.message) not in before]
+        if found:
+            raise InputError(found)
+
+    @property
+    def remark(self) -> str:
+        """What its material begins with, if it is none of the starting materials; else empty."""
+        material, title = answers.material_of(self.text), self._title
+        if material is None or not title:
+            return ""
+        try:
+            read_starting_material(title)
+        except InputError:
+            near = near_materials(title)
+            return messages.OF_CLASS(given=title, title=material.material_class.title, near=near)
+        return ""
+
+    @property
+    def _title(self) -> str:
+        return next((q.answer for q in self.questions() if q.key == "material"), "")
+
+    @property
+    def left(self) -> tuple[str, ...]:
+        """What is to be done before a calibration can start; empty if nothing is."""
+        tests = answers.named_tests(self.text)
+        if not tests:
+            possible = ways(answers.at_hand(self.text))
+            return (messages.NOT_CHOSEN() if possible else messages.NOTHING_POSSIBLE(),)
+        bare = [name for name, test in tests if not answers.is_measured(test)]
+        if not bare:
+            return ()
+        verb = "has" if len(bare) == 1 else "have"
+        return (messages.NOT_MEASURED(names=in_a_row(bare), verb=verb),)
+
+    def save(self) -> None:
+        """Write the file.
+
+        Raises
+        ------
+        OSError
+            It cannot be written; what was there is still there.
+        """
+        write_atomically(self.path, self.text)
+
+    def setup(self) -> CalibrationSetup:
+        """Return the calibration of the tests that are measured so far, ready to run.
+
+        Raises
+        ------
+        InputError
+            With every fault of the file.
+        """
+        text, tests = self.text, answers.named_tests(self.text)
+        bare = [n for n, (_, test) in enumerate(tests) if not answers.is_measured(test)]
+        for number in reversed(bare if len(bare) < len(tests) else ()):
+            text = without_test(text, number)
+        return build_calibration(load_calibration_file(self.path, text=text))
+
+    def estimate(self) -> Estimate:
+        """Return what `grainfit.estimate` says of the values that are measured so far.
+
+        Raises
+        ------
+        InputError
+            The file has faults, or the atlas tells nothing about any target.
+        """
+        from grainfit.work_folder.estimate import estimate
+
+        return estimate(self.setup())
+
+    def plan(self) -> Plan:
+        """Return work, cost and forecast of the calibration, as `grainfit check` shows them.
+
+        Raises
+        ------
+        InputError
+            With every fault of the file.
+        """
+        from grainfit.calibration_file.plan import describe_plan
+
+        return describe_plan(self.setup())
+
+    def measurement_plan(self, wanted: float = 0.2) -> MeasurementPlan:
+        """Return which of the tests that can be measured would settle the free parameters.
+
+        Parameters
+        ----------
+        wanted : float
+            Wanted half-width of 95 % intervals, a share of the value.
+
+        Raises
+        ------
+        InputError
+            Nothing can be measured with what is at hand, or the file has faults.
+        """
+        from grainfit.work_folder.design import design
+
+        text = self.text
+        possible = ways(answers.at_hand(text))
+        if not possible:
+            raise InputError(messages.NO_TESTS.fault("tests"))
+        present = {name for name, _ in answers.named_tests(text)}
+        material = answers.material_of(text)
+        for way in possible:
+            if way.name in present:
+                continue
+            text = with_test(text, starter_test(way.name, material, self.solver))
+            number = len(answers.named_tests(text)) - 1
+            for response in way.responses:
+                text = with_value(text, ("test", number, "targets", response), "{}")
+        planned = load_planned_file(self.path, text)
+        types = {test["type"] for _, test in answers.named_tests(text)}
+        return design(planned, wanted=wanted, tests=sorted(types))
+
+    def record_sheet(self) -> str:
+        """Return instructions for the chosen tests, with blank lines for what is measured."""
+        found = []
+        for name, test in answers.named_tests(self.text):
+            way = way_of(str(test.get("type")), str(test.get("apparatus", "")), name)
+            if way is not None:
+                found.append((way, test))
+        return record_sheet(self._title, note(self.text, answers.MOISTURE), found)
+
+
+def _faults(path: Path, text: str) -> list[Fault]:
+    """Return the faults of a file that need not be complete."""
+    if not text:
+        return []
+    try:
+        load_calibration_file(path, planned=True, text=text)
+    except InputError as error:
+        return [fault for fault in error.faults if fault.key != "test"]
+    return []
+
+
+def _with_tests(text: str, given: str, solver: str) -> str:
+    return answers.set_tests(text, given, solver)
+
+
+def _with_aspect_ratio(text: str, given: str) -> str:
+    return with_value(text, ("particle", "aspect_ratio"), given)

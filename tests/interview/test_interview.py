@@ -1,0 +1,284 @@
+"""The interview: answers become a calibration file, of which nothing else changes."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import grainfit as gf
+from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.interview import messages
+from grainfit.interview.answers import is_measured, named_tests
+from grainfit.interview.equipment import equipment, way_of, ways
+from grainfit.interview.measured import read_measured, typed
+
+OWN = """\
+# my own remarks
+name = "sand of pit 3"   # as in the book
+
+[particle]
+diameter = "2 mm"        # sieved
+youngs_modulus = "5 MPa"
+poissons_ratio = 0.3
+density = { min = "2500 kg/m^3", max = "2700 kg/m^3" } # free
+
+[wall]
+youngs_modulus = "211 GPa"
+poissons_ratio = 0.3
+density = "7700 kg/m^3"
+
+[particle_particle]
+sliding_friction = { min = 0.2, max = 0.9 }
+restitution = 0.5
+rolling_friction = 0.1
+
+[particle_wall]
+sliding_friction = 0.4
+restitution = 0.5
+rolling_friction = 0.1
+
+# the heap of May
+[[test]]
+type = "heap"
+name = "may"
+solver = "lammps"
+plate_sliding_friction = 0.5 # glued
+[test.targets.angle_of_repose]
+value = "33 deg"         # protractor
+tolerance = "2 deg"
+weight = 2
+
+# the search
+[strategy]
+max_runs = 40 # patience
+"""
+
+
+def interview(folder: Path, *given: tuple[str, str], text: str = "") -> gf.Interview:
+    path = folder / "calibration.toml"
+    if text:
+        path.write_text(text)
+    found = gf.Interview.open(path)
+    for key, answer in given:
+        found = found.answered(key, answer)
+    return found
+
+
+BEGUN = (
+    ("material", "wood pellets"),
+    ("moisture", "8 % wet basis"),
+    ("diameter", "6 mm"),
+    ("at_hand", "bucket, scale, tube, phone"),
+    ("tests", "heap, packing"),
+)
+MEASURED = (
+    ("heap.cylinder_radius", "40 mm"),
+    ("heap.targets.angle_of_repose", "31; 33; 32 deg ± 0.5 deg"),
+    ("packing.targets.bulk_density", "0.605 g/cm^3 ± 1 %"),
+)
+
+
+def test_answers_become_a_calibration_that_can_run(tmp_path: Path) -> None:
+    found = interview(tmp_path, *BEGUN)
+    assert found.left == (messages.NOT_MEASURED(names="heap and packing", verb="have"),)
+    for key, answer in MEASURED:
+        found = found.answered(key, answer)
+    found.save()
+
+    setup = gf.load(found.path)
+    angle = next(t for t in setup.problem.targets if t.name == "heap.angle_of_repose")
+    density = next(t for t in setup.problem.targets if t.name == "packing.bulk_density")
+
+    assert found.left == ()
+    assert angle == gf.Target.of_measurements(
+        "heap.angle_of_repose", [31, 33, 32], unit="deg", systematic=0.5
+    )
+    assert (density.value, density.uncertainty) == pytest.approx((605, 6.05))
+    assert setup.bulk_tests["heap"].cylinder_radius == 0.04
+    assert setup.file.sizes is not None
+    assert setup.file.sizes.diameters == (0.006,)
+    assert f"{angle.standard_uncertainty:.2g}" in _question(found, MEASURED[1][0]).implies
+
+
+def _question(found: gf.Interview, key: str):
+    return next(one for one in found.questions() if one.key == key)
+
+
+def test_a_file_is_opened_again_with_its_answers_and_what_was_asked(tmp_path: Path) -> None:
+    interview(tmp_path, *BEGUN, ("shape", "")).save()
+    again = interview(tmp_path)
+
+    assert _question(again, "moisture").answer == "8 % wet basis"
+    assert _question(again, "tests").answer == "heap, packing"
+    assert [one.key for one in again.questions() if one.is_asked] == [
+        *("material", "moisture", "diameter", "shape", "at_hand", "tests")
+    ]
+
+
+def test_answers_that_are_typed_again_change_nothing(tmp_path: Path) -> None:
+    found = interview(tmp_path, *BEGUN, *MEASURED, ("shape", "lens"), ("wall_friction", "21 deg"))
+    again = found
+    for one in found.questions():
+        again = again.answered(one.key, one.answer)
+
+    assert tomllib.loads(again.text) == tomllib.loads(found.text)
+
+
+@pytest.mark.parametrize(
+    ("key", "answer", "path", "value"),
+    [
+        ("diameter", "3 mm", ("particle", "diameter"), "3 mm"),
+        (
+            "diameter",
+            "2 mm: 40 %; 3 mm: 60 %",
+            ("particle", "diameter"),
+            [
+                {"value": "2 mm", "mass_fraction": "40 %"},
+                {"value": "3 mm", "mass_fraction": "60 %"},
+            ],
+        ),
+        ("density", "2650 kg/m^3", ("particle", "density"), "2650 kg/m^3"),
+        (
+            "density",
+            "2600 to 2700 kg/m^3",
+            ("particle", "density"),
+            {"min": "2600 kg/m^3", "max": "2700 kg/m^3"},
+        ),
+        (
+            "wall_friction",
+            "21 deg ± 1 deg",
+            ("particle_wall", "sliding_friction"),
+            {"measured_angle": "21 deg", "uncertainty": "1 deg"},
+        ),
+        (
+            "cohesion",
+            "yes",
+            ("particle_particle", "surface_energy"),
+            {"min": 0, "max": "0.05 J/m^2"},
+        ),
+        ("may.lift_speed", "0.02 m/s", ("test", 0, "lift_speed"), "0.02 m/s"),
+        (
+            "may.targets.angle_of_repose",
+            "32; 34 deg",
+            ("test", 0, "targets", "angle_of_repose"),
+            {"measurements": ["32 deg", "34 deg"], "tolerance": "2 deg", "weight": 2},
+        ),
+    ],
+)
+def test_one_answer_changes_one_value_of_a_file_by_hand(
+    tmp_path: Path, key: str, answer: str, path: tuple, value: object
+) -> None:
+    found = interview(tmp_path, (key, answer), text=OWN)
+    expected = tomllib.loads(OWN)
+    place = expected
+    for step in path[:-1]:
+        place = place[step]
+    place[path[-1]] = value
+
+    assert tomllib.loads(found.text) == expected
+    kept = {"# my own remarks", "# as in the book", "# the heap of May", "# glued", "# patience"}
+    assert {words for words in kept if words not in found.text} == set()
+
+
+@pytest.mark.parametrize(
+    ("key", "answer", "words"),
+    [
+        ("diameter", "3", "3 mm"),
+        ("diameter", "2 mm: 40 %; 3 mm: 40 %", "sum to 0.8"),
+        ("diameter", "sieve.csv", "no such file"),
+        ("aspect_ratio", "1.5", messages.NO_QUESTION.text),
+        ("density", "-3 kg/m^3", "density"),
+        ("material", "wheat", messages.OTHER_MATERIAL.text),
+        ("shape", "cube", "none of the choices"),
+        ("may.cylinder_radius", "3 kg", "kg"),
+        ("may.targets.angle_of_repose", "31; 320 deg", "320"),
+        ("may.targets.heap_height", "20", "has no unit"),
+        ("may.targets.heap_height", "20,5 mm", "comma"),
+        ("may.targets.bulk_density", "low", "is no measurement"),
+        ("may.targets.angle_of_repose", "31; 31; 31 deg", "are all 31"),
+    ],
+)
+def test_an_impossible_answer_is_refused_with_its_reason(
+    tmp_path: Path, key: str, answer: str, words: str
+) -> None:
+    begun = interview(tmp_path, text=OWN)
+
+    with pytest.raises(gf.InputError) as refused:
+        begun.answered(key, answer)
+
+    assert words in str(refused.value)
+
+
+def test_a_measured_test_is_not_lost_by_a_choice(tmp_path: Path) -> None:
+    found = interview(tmp_path, *BEGUN, *MEASURED[:2])
+
+    assert [name for name, _ in named_tests(found.answered("tests", "heap").text)] == ["heap"]
+    with pytest.raises(gf.InputError, match="has measured values"):
+        found.answered("tests", "packing")
+
+
+def test_what_is_not_measured_yet_is_left_out_of_a_calibration(tmp_path: Path) -> None:
+    found = interview(tmp_path, *BEGUN, *MEASURED[:2])
+
+    assert list(found.setup().bulk_tests) == ["heap"]
+    assert not is_measured(dict(named_tests(found.text))["packing"])
+
+
+def test_a_material_is_known_or_of_a_class_or_is_refused(tmp_path: Path) -> None:
+    known = interview(tmp_path, ("material", "rape seed"))
+    of_class = interview(tmp_path, ("material", "coffee powder"))
+
+    assert known.remark == ""
+    assert "usual ranges of powders" in of_class.remark
+    assert _question(of_class, "material").answer == "coffee powder"
+    with pytest.raises(gf.InputError, match="says no class"):
+        interview(tmp_path, ("material", "quux"))
+
+
+def test_the_plan_compares_what_can_be_measured_with_what_is_at_hand(tmp_path: Path) -> None:
+    found = interview(tmp_path, *BEGUN[:3], ("at_hand", "bucket, scale"))
+    plan = found.measurement_plan()
+
+    assert [one.name for one in plan.combinations] == ["packing"]
+    with pytest.raises(gf.InputError, match=messages.NO_TESTS.pattern):
+        interview(tmp_path, *BEGUN[:3], ("at_hand", "phone")).measurement_plan()
+
+
+def test_the_sheet_has_steps_and_blanks_of_the_chosen_tests(tmp_path: Path) -> None:
+    sheet = interview(tmp_path, *BEGUN, *MEASURED[:1]).record_sheet()
+
+    assert "wood pellets" in sheet
+    assert "Moisture: 8 % wet basis" in sheet
+    assert "cylinder radius: 40 mm" in sheet
+    assert "base radius, mm" in sheet
+    assert max(map(len, sheet.splitlines())) <= 78
+
+
+def test_equipment_names_what_there_is() -> None:
+    known = equipment()
+    for way in ways(known):
+        test = BUILT_IN[way.test]
+        assert {*way.options} <= {key.name for key in test.option_keys()}, way
+        assert {*way.responses} <= {*test.responses}, way
+        assert way.responses, way
+        assert way.steps, way
+    assert {way.name for way in ways(known)} >= {*BUILT_IN} - {"shear"}
+    assert way_of("python") is None
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "target"),
+    [
+        ("22deg", "deg", {"value": "22 deg"}),
+        ("22", "deg", {"value": "22 deg"}),
+        ("0.4 +- 0.02", "", {"value": 0.4, "uncertainty": 0.02}),
+        ("20 21 22 mm", "m", {"measurements": ["20 mm", "21 mm", "22 mm"]}),
+        ("20 mm, 2.1 cm ± 1 %", "m", {"measurements": ["20 mm", "2.1 cm"], "systematic": "1 %"}),
+        ("-3e-1", "", {"value": -0.3}),
+    ],
+)
+def test_measurements_are_read_as_typed_and_shown_so(text: str, unit: str, target: dict) -> None:
+    found = read_measured("x", text, unit).target()
+
+    assert found == target
+    assert read_measured("x", typed(found), unit).target() == target
