@@ -108,8 +108,8 @@ def _ways() -> Mapping[str, Mapping[str, Any]]:
 
 def _whole(test: str) -> Way:
     table = _ways()[test]
-    names = (tuple(table[key]) for key in ("responses", "options", "steps"))
-    return Way(test, test, *names)
+    responses, options, steps = (tuple(table[key]) for key in ("responses", "options", "steps"))
+    return Way(test, test, responses, options, steps)
 
 
 def _possible(test: str, at_hand: Collection[str]) -> Way | None:
