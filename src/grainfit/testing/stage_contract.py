@@ -175,8 +175,8 @@ class StageContract(SimulatedScenes):
         # So soft that it takes few time steps.
         softness = {"particle.youngs_modulus": 1.5e5}
         values = {**material(restitution=0.6, sliding_friction=0.4), **softness}
-        tube = Tube(20 * RADIUS, 20 * RADIUS, has_radial_forces=False)
-        column = random_column(SIZES, 3400, Round(tube.radius), 1)
+        tube = Tube(14 * RADIUS, 14 * RADIUS, has_radial_forces=False)
+        column = random_column(SIZES, 1170, Round(tube.radius), 1)
         step = time_step(SIZES, values, 0.12)
         out = run(lowered_bed(tube, column, values, SIZES, GRAVITY, step))
 
