@@ -91,7 +91,7 @@ def test_tests_and_solvers_take_quantities() -> None:
 
 @pytest.mark.slow
 def test_a_packing_is_calibrated_from_python(tmp_path: Path) -> None:
-    packing = gf.tests.Packing(diameter="10 mm")
+    packing = gf.tests.Packing(diameter="10 mm", cylinder_radius="40 mm", fill_height="70 mm")
     material = {name: value for name, value in GLASS_BEADS.items() if name != "particle.density"}
     problem = gf.Problem(
         [gf.Parameter("particle.density", "2 g/cm^3", "2.6 g/cm^3")],

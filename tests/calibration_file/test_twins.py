@@ -46,11 +46,11 @@ rolling_damping = 0.0
 [[test]]
 type = "packing"
 solver = "lammps"
-cylinder_radius = "50 mm"
-fill_height = "110 mm"
+cylinder_radius = "40 mm"
+fill_height = "90 mm"
 targets.bulk_density = { value = "1200 kg/m^3", uncertainty = "3 %" }
 [strategy]
-twins = 250
+twins = 150
 workers = 1
 """
 
@@ -94,7 +94,7 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     assert not of_verdict.NOT_MEASURED.is_in(str(predicted))
     [pending] = [one for one in predicted.reasons if isinstance(one, FullSizePending)]
     [test] = pending.tests
-    assert (test.test, test.particles, test.simulated) == ("packing", 957, 250)
+    assert (test.test, test.particles, test.simulated) == ("packing", 502, 150)
     found = predicted.responses["bulk_density"]
     assert (found.target, found.verified_values) == (1200.0, ())
     assert found.standard_error > 2.0
@@ -109,10 +109,10 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     card = json.loads(CliRunner().invoke(app, ["export", "pot.grainfit", "--to", "json"]).stdout)
     assert card["status"] == "predicted"
     apparatus = dict(line.split(": ", 1) for line in card["apparatus"])
-    assert "cylinder radius 50 mm" in apparatus["Apparatus of packing, given"]
+    assert "cylinder radius 40 mm" in apparatus["Apparatus of packing, given"]
     smaller = apparatus["Apparatus of packing, smaller in the search, given"]
     assert "cylinder radius " in smaller
-    assert "cylinder radius 50 mm" not in smaller
+    assert "cylinder radius 40 mm" not in smaller
 
     done = CliRunner().invoke(app, ["run", "pot.toml", "--full-size", "--no-report"])
     assert done.exit_code == 0, done.output
@@ -128,7 +128,7 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"twins = 250": "twins = 250\nsmaller = 0.5"}, messages.TWINS_AND_RELATIVES),
+        ({"twins = 150": "twins = 150\nsmaller = 0.5"}, messages.TWINS_AND_RELATIVES),
         (
             {
                 "[strategy]": "[[test]]\ntype = 'python'\nname = 'own'\nfunction = 'own.py:f'\n"
@@ -141,10 +141,10 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
                 '"packing"': '"draw_down"',
                 "cylinder_radius": "width",
                 "bulk_density": "mass_flow",
-                'fill_height = "110 mm"': "",
+                'fill_height = "90 mm"': "",
                 "1200 kg/m^3": "1 kg/s",
-                '"50 mm"': '"300 mm"',
-                "twins = 250": "twins = 1500",
+                '"40 mm"': '"300 mm"',
+                "twins = 150": "twins = 1500",
             },
             messages.NOT_COMPARED,
         ),
@@ -159,7 +159,7 @@ def test_what_has_no_twin_is_refused(tmp_path: Path, changes: dict, message) -> 
 
 
 def test_small_tests_are_simulated_as_they_are(tmp_path: Path) -> None:
-    setup = gf.load(written(tmp_path, **{"twins = 250": "twins = 2000"}))
+    setup = gf.load(written(tmp_path, **{"twins = 150": "twins = 2000"}))
     assert setup.twins == {}
     assert messages.ALL_SMALL(twins=2000) in describe_plan(setup).lines
 
@@ -167,8 +167,8 @@ def test_small_tests_are_simulated_as_they_are(tmp_path: Path) -> None:
 def test_check_says_what_is_simulated(tmp_path: Path) -> None:
     plan = describe_plan(gf.load(written(tmp_path)))
     [line] = [one for one in plan.lines if messages.TWINS_SIMULATED.is_in(one)]
-    assert "250" in line
-    assert "957" in line
+    assert "150" in line
+    assert "502" in line
 
 
 def made(mean: float, half: float, predicted: float, predicted_half: float) -> FullSizeMade:
