@@ -47,11 +47,14 @@ def test_a_cone_seen_from_above_is_corrected_in_closed_form() -> None:
     assert math.isnan(apparent_angle(25, 25))
 
 
-def test_thirty_pictures_are_measured_or_refused_and_never_wrong_in_silence(
-    tmp_path: Path,
+@pytest.mark.parametrize(
+    ("good", "bad"), [(12, 3), pytest.param(24, 6, marks=pytest.mark.thorough)]
+)
+def test_pictures_are_measured_or_refused_and_never_wrong_in_silence(
+    good: int, bad: int, tmp_path: Path
 ) -> None:
     errors, covered = [], []
-    for number in range(24):
+    for number in range(good):
         shot = usable(number, angles=ANGLES, height=HEIGHT)
         path = tmp_path / f"{number}.jpg"
         save(shot, path, exif=True)
@@ -62,7 +65,7 @@ def test_thirty_pictures_are_measured_or_refused_and_never_wrong_in_silence(
         errors.append(found.angle - angle_in_view(shot))
         covered.append(abs(errors[-1]) < 2 * found.uncertainty)
     refused = 0
-    for number in range(6):
+    for number in range(bad):
         path = tmp_path / f"unusable_{number}.jpg"
         save(unusable(number, angles=ANGLES, height=HEIGHT), path, exif=True)
         try:
@@ -70,8 +73,8 @@ def test_thirty_pictures_are_measured_or_refused_and_never_wrong_in_silence(
         except gf.NotMeasurableError:
             refused += 1
 
-    assert refused == 6
-    assert len(errors) >= 18
+    assert refused == bad
+    assert len(errors) >= 3 / 4 * good
     assert np.abs(errors).max() < 1.2
     assert np.sqrt(np.mean(np.square(errors))) < 0.5
     assert abs(np.mean(errors)) < 0.25

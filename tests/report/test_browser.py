@@ -44,7 +44,7 @@ SECTIONS = (
 #: Five parameters show what fourteen show; they have the test of the explorer.
 STATES = (
     "one_parameter",
-    "fourteen_parameters",
+    pytest.param("fourteen_parameters", marks=pytest.mark.thorough),
     "no_run_finished",
     "running_half_way",
     "all_failed",
@@ -306,6 +306,7 @@ def test_the_explorer_predicts_what_the_metamodels_do(
     _require_same_predictions(usual.page, report("two_parameters").metamodels)
     with opened(browser, report("five_parameters").path) as found:
         _require_same_predictions(found.page, report("five_parameters").metamodels)
+        _require_whole(found)
 
 
 def _require_same_predictions(page: Page, metamodels: Metamodels | None) -> None:

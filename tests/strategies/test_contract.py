@@ -22,3 +22,7 @@ class TestSequentialWithAWantedHalfWidth(StrategyContract):
     @pytest.fixture
     def strategy(self) -> Strategy:
         return Sequential(wanted_half_width="22 %")
+
+    @pytest.mark.thorough
+    def test_it_learns_from_runs_of_others(self, strategy, make) -> None:
+        super().test_it_learns_from_runs_of_others(strategy, make)
