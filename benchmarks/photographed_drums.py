@@ -7,7 +7,7 @@ are simulated once, with LAMMPS, and kept in the folder ``--drums``; finished vi
 file ``--kept``. The command can be stopped and started again.
 
     python benchmarks/photographed_drums.py --drums DIR --kept FILE [--videos 60] [--unusable 24]
-        [--table]
+        [--first 1000] [--table]
 
 Prints the error against the angles of the same frames by the simulation's own measure, the bias,
 how often the stated uncertainty covers it, and what was refused.
@@ -36,7 +36,7 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_SPHERES
 from tests.photographs.drawn_drums import UNUSABLE, Simulated, every, unusable_drum, usable_drum
-from tests.photographs.rendered_drums import save_video
+from tests.photographs.rendered_drums import DrumShot, save_video
 
 DIAMETER = 0.010
 #: Radius in diameters, fill level, sliding and rolling friction, Froude number, and end caps.
@@ -126,7 +126,7 @@ def record_of(number: int, good: bool, drums: Path) -> dict[str, Any]:
         path = Path(folder) / "drum.mp4"
         save_video(shot, path)
         try:
-            found = photo(path, "drum", level=level)
+            found = photo(path, "drum", level=level, **_known(shot))
         except NotMeasurableError as error:
             return record | {"refused": str(error).partition(".mp4: ")[2]}
     # The same frames are compared: that there are others does not matter.
@@ -141,6 +141,12 @@ def record_of(number: int, good: bool, drums: Path) -> dict[str, Any]:
         "parts": found.parts,
         "found speed": None if speed is None else speed.value,
     }
+
+
+def _known(shot: DrumShot) -> dict[str, float]:
+    """Return the lengths of the drum, the distance of the camera as a tape measure tells it."""
+    rng = np.random.default_rng([46, shot.seed])
+    return {"drum": 2.0, "length": shot.length, "distance": shot.distance * rng.normal(1, 0.03)}
 
 
 def table(records: list[dict[str, Any]]) -> Iterator[str]:
@@ -182,16 +188,17 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, required=True)
     parser.add_argument("--videos", type=int, default=60)
     parser.add_argument("--unusable", type=int, default=24)
+    parser.add_argument("--first", type=int, default=0, help="number of the first video")
     parser.add_argument("--table", action="store_true", help="print what is kept only")
     given = parser.parse_args()
     records = []
     if given.kept.exists():
         records = [json.loads(line) for line in given.kept.read_text().splitlines()]
     done = {(r["number"], r["good"]) for r in records}
-    wanted = [(n, True) for n in range(given.videos)]
-    wanted += [(n, False) for n in range(given.unusable)]
+    wanted = [(given.first + n, True) for n in range(given.videos)]
+    wanted += [(given.first + n, False) for n in range(given.unusable)]
     # Some of both kinds from the beginning.
-    wanted.sort(key=lambda one: one[0] if one[1] else 2 * one[0])
+    wanted.sort(key=lambda one: one[0] if one[1] else 2 * one[0] - given.first)
     for number, good in [] if given.table else wanted:
         if (number, good) in done:
             continue

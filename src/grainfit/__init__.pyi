@@ -40,6 +40,7 @@ from grainfit.opened import open_calibration
 from grainfit.photographs.drum_photo import PhotographedDrum as PhotographedDrum
 from grainfit.photographs.photo import PhotographedHeaps as PhotographedHeaps
 from grainfit.photographs.photo import photo as photo
+from grainfit.photographs.slope_photo import PhotographedSlopes as PhotographedSlopes
 from grainfit.problem import CurveTarget as CurveTarget
 from grainfit.problem import Parameter as Parameter
 from grainfit.problem import Problem as Problem

@@ -22,9 +22,22 @@ from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.calibration_file.originals import keep_pictures
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.app import app
+from grainfit.measurement.dynamic_angles import DynamicAngles
 from grainfit.photographs import messages
-from grainfit.photographs.drum import _level_of, measure_still
+from grainfit.photographs.drum import (
+    DrumSize,
+    PhotographedBed,
+    _level_of,
+    _unsure,
+    measure_still,
+)
 from grainfit.photographs.drum_circle import DrumCircle
+from grainfit.photographs.drum_surface import (
+    _heights,
+    inclination_of,
+    places,
+    without_perspective,
+)
 from grainfit.photographs.pictures import opencv
 from grainfit.photographs.rim_speed import rotational_speed
 from tests.beads_file import BEADS
@@ -197,6 +210,50 @@ def test_what_cannot_be_measured_is_refused_with_the_reason(
     assert (tmp_path / "refused_refused.png").is_file()
 
 
+def _profile() -> NDArray[np.float64]:
+    """Surface of a bed that is bent: steep in the middle, flat at its ends, in radii."""
+    x = places()
+    return -0.1 + 0.12 * np.tanh(3 * x)
+
+
+def test_the_bed_does_not_follow_the_line_along_which_it_is_looked_for() -> None:
+    size = len(places())
+    heights = -places()[:, None]
+    inside = np.hypot(heights, places()) < 0.955
+    for turn in (-4.0, 0.0, 4.0):
+        line = -0.05 + math.tan(math.radians(turn)) * places()
+        likely = np.where(heights < line, 1.0, -1.0) * inside
+        found = _heights(likely.astype(np.float32))
+        assert found.shape == (size,)
+        assert float(inclination_of(found)) == pytest.approx(turn, abs=0.1)
+
+
+def test_where_the_surface_is_taken_counts_for_the_dynamic_angle() -> None:
+    swing = 3 * np.sin(np.arange(24))[:, None]
+    steeper = [np.tan(np.radians(swing + turn)) * places() for turn in (0.0, 0.4)]
+    beds = [DynamicAngles(PhotographedBed(30.0, line - 0.05, DrumSize())) for line in steeper]
+
+    assert _unsure(beds)["dynamic_angle"]["surface"] == pytest.approx(0.2, abs=0.02)
+    with pytest.raises(gf.NotMeasurableError) as error:
+        _unsure([beds[0], DynamicAngles(PhotographedBed(32.5, steeper[0], DrumSize()))])
+    assert messages.UNSURE_SURFACE.is_in(str(error.value))
+
+
+def test_perspective_is_taken_out_where_the_distance_is_known() -> None:
+    x, profile = places(), _profile()
+    distance, length = 6.0, 0.7
+    scales = distance / (distance + np.linspace(0.0, length, 50))
+    shown = [np.interp(x / s, x, profile) * s for s in scales]
+    # Beyond the wall at some depth nothing of that depth is seen.
+    ends = [np.where(np.abs(x) < s * 0.99, one, -9.0) for s, one in zip(scales, shown, strict=True)]
+    outline = np.max(ends, axis=0)
+
+    true = float(inclination_of(profile))
+    assert abs(float(inclination_of(outline)) - true) > 0.3
+    found = without_perspective(outline[None], distance, length)[0]
+    assert float(inclination_of(found)) == pytest.approx(true, abs=0.2)
+
+
 def test_a_rim_without_a_mark_has_no_speed() -> None:
     rng = np.random.default_rng(5)
     rims = [rng.normal(size=(9, 256)) for _ in range(60)]
@@ -317,11 +374,25 @@ def test_a_video_that_moved_changed_or_is_gone_is_named(folder: Path) -> None:
     assert file_messages.PICTURE_CHANGED(file="turning.mp4") in _load(folder, FILMED).notes()
 
 
+def test_perspective_is_known_by_the_distance_and_the_drum_of_the_test(folder: Path) -> None:
+    near = FILMED.replace(" }", ', distance = "588 mm", length = "50 mm" }')
+    setup = _load(folder, near, 'drum_radius = "84 mm"\n')
+    known = {"drum": "168 mm", "distance": "588 mm", "length": "50 mm", "level": "0.1 deg"}
+    alone = gf.photo(folder / "turning.mp4", "drum", **known)
+
+    assert setup.problem.targets[0].value == round(alone.dynamic_angle.value, 2)
+    assert "perspective" not in alone.parts["dynamic_angle"]
+    with pytest.raises(gf.InputError) as error:
+        gf.photo(folder / "turning.mp4", "drum", distance="294 mm", drum="84 mm")
+    assert messages.WHOLE_DRUM.is_in(str(error.value))
+
+
 def test_faults_of_videos_have_line_key_and_what_to_do(folder: Path) -> None:
     (folder / "notes.mp4").write_text("no video")
     for targets, key, why in (
         ('{ video = "notes.mp4" }', "video[0]", messages.NO_VIDEO),
         ('{ photos = "turning.mp4" }', "photos[0]", file_messages.VIDEO_NOT_STILLS),
+        ('{ video = "turning.mp4", distance = "1 m" }', "distance", file_messages.DISTANCE_ALONE),
         ('{ video = "none.mp4" }', "video[0]", file_messages.NO_SUCH_VIDEO),
         ('{ video = ["turning.mp4", "turn*"] }', "video[1]", file_messages.SAME_PICTURE),
         (

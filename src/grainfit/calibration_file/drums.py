@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import PlannedTarget
@@ -16,11 +16,12 @@ from grainfit.errors import InputError
 from grainfit.evaluation import Response
 from grainfit.formatting import turns_per_minute
 from grainfit.options.kinds import Flag, OneOrMore, Quantity, Text
-from grainfit.options.places import Place
+from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Target
 
 if TYPE_CHECKING:
+    from grainfit.photographs.drum import DrumSize
     from grainfit.photographs.kept_drum import KeptDrum
 
 #: Key that makes a target one of videos.
@@ -63,6 +64,20 @@ _SHARED = (
         example='"0.1 deg"',
     ),
     Key(
+        "distance",
+        Quantity("m", above_zero=True),
+        "Of the camera before the front of the drum: takes perspective out of the dynamic angle, "
+        "with drum_radius and the length.",
+        example='"50 cm"',
+    ),
+    Key(
+        "length",
+        Quantity("m", above_zero=True),
+        "Of the filmed drum along its axis; needs a distance.",
+        default="drum_length of a test with end_caps",
+        example='"20 mm"',
+    ),
+    Key(
         "tolerance",
         Deviation("deg"),
         "Largest accepted deviation of the calibrated response: what is good enough.",
@@ -73,23 +88,36 @@ _SHARED = (
 )
 
 
-def drum_tables(otherwise: TargetTable) -> dict[str, Table]:
-    """Return the keys of a target that videos tell, and of one that stills tell."""
+def drum_tables(otherwise: TargetTable, test: Mapping[str, Any]) -> dict[str, Table]:
+    """Return the keys of a target that videos tell, and of one that stills tell.
+
+    Parameters
+    ----------
+    otherwise : TargetTable
+        Of a target that is given.
+    test : mapping of str to object
+        Keys of its test, as they are written.
+    """
     read = _planned if isinstance(otherwise, PlannedTargetTable) else _number
-    return {key.name: Table((key, *_SHARED), partial(read, key.name)) for key in (_VIDEO, _STILLS)}
+    return {
+        key.name: Table((key, *_SHARED), partial(read, key.name, test)) for key in (_VIDEO, _STILLS)
+    }
 
 
-def _planned(key: str, values: Values, place: Place) -> PlannedTarget | None:
-    return planned_of(_number(key, values, place))
+def _planned(
+    key: str, test: Mapping[str, Any], values: Values, place: Place
+) -> PlannedTarget | None:
+    return planned_of(_number(key, test, values, place))
 
 
-def _number(key: str, values: Values, place: Place) -> Target | None:
+def _number(key: str, test: Mapping[str, Any], values: Values, place: Place) -> Target | None:
     if None in values.values():
         return None
     groups = groups_of(values[key], place.at(key), videos=key == VIDEO)
-    if groups is None:
+    size = _size(values, test, place)
+    if groups is None or size is None:
         return None
-    found = _measured(groups, values, place)
+    found = _measured(groups, size, values, place)
     if found is None:
         return None
     files = {one.sha256: one for group in groups for one in group}
@@ -112,8 +140,29 @@ def _number(key: str, values: Values, place: Place) -> Target | None:
     return target
 
 
+def _size(values: Values, test: Mapping[str, Any], place: Place) -> DrumSize | None:
+    """Return the lengths of the drum as far as perspective needs them; None after a fault."""
+    from grainfit.photographs.drum import DrumSize
+
+    if "distance" not in values:
+        if "length" not in values:
+            return DrumSize()
+        place.at("length").refuse(messages.LENGTH_WITHOUT_DISTANCE.fault(""))
+        return None
+    # Their own faults are noted where they are.
+    unheard = Place(Findings(place.findings.folder))
+    radius = Quantity("m", above_zero=True).read(test.get("drum_radius"), unheard)
+    length = values.get("length")
+    if length is None and test.get("end_caps") is True:
+        length = Quantity("m", above_zero=True).read(test.get("drum_length"), unheard)
+    if radius is None or length is None:
+        place.at("distance").refuse(messages.DISTANCE_ALONE.fault(""))
+        return None
+    return DrumSize(radius, values["distance"], length)
+
+
 def _measured(
-    groups: Sequence[Sequence[NamedFile]], values: Values, place: Place
+    groups: Sequence[Sequence[NamedFile]], size: DrumSize, values: Values, place: Place
 ) -> KeptDrum | None:
     """Measure once what shows a drum; None after noting what cannot be read or kept."""
     from grainfit.photographs.kept import FOLDER
@@ -126,6 +175,7 @@ def _measured(
             [[one.path for one in group] for group in groups],
             {one.path: one.sha256 for one in files},
             folder,
+            size=size,
             level=values.get("level"),
             marker=values.get("marker", False),
             keep_version=begun == {one.file: one.sha256 for one in files},

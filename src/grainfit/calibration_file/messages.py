@@ -45,6 +45,13 @@ DRUM_MEASURED = Message(
 FRAMES = Message("{count} frames in {seconds:.3g} s")
 STILLS = Message("the first of {count} pictures")
 DRUM_SPEED = Message("{speed} by the mark on the rim")
+DISTANCE_ALONE = Message(
+    "is of use with the radius and the length of the drum only.",
+    "Give the test drum_radius, and the length beside the distance, or drum_length with end_caps.",
+)
+LENGTH_WITHOUT_DISTANCE = Message(
+    "is of use with a distance only.", "Give the distance of the camera, too, or leave it out."
+)
 OTHER_SPEED = Message(
     "the drum turns at {found} in the video, and at {given} in the test, rotational_speed.",
     "Angles depend on the speed: give the test that of the video.",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -49,9 +49,14 @@ _REPEATS = Key(
 )
 
 
-def layout_of_test(kind: TestType, use: Use = "fit") -> Table:
-    """Return the layout of a test of one type; only those to be fitted need measured values."""
-    targets, example = _targets(kind, use)
+def layout_of_test(
+    kind: TestType, use: Use = "fit", test: Mapping[str, Any] | None = None
+) -> Table:
+    """Return the layout of a test of one type; only those to be fitted need measured values.
+
+    Targets that are measured need the keys of their test, as they are written.
+    """
+    targets, example = _targets(kind, use, test or {})
     apparatus = apparatus_key(kind.name)
     return Table(
         (
@@ -83,7 +88,7 @@ def _homes(names: Callable[[type[BulkTest]], Iterable[str]]) -> dict[str, str]:
     return {name: f"a test of type {in_a_row(found, 'or')}" for name, found in types.items()}
 
 
-def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
+def _targets(kind: TestType, use: Use, written: Mapping[str, Any]) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
     test, table = kind.bulk_test, PlannedTargetTable if use == "plan" else TargetTable
     refused = _REFUSED_CURVES[use]
@@ -93,11 +98,11 @@ def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
         return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
 
     def of_number(name: str, info: ResponseInfo) -> Kind:
-        return _or_measured(kind, name, table(info.possible))
+        return _or_measured(kind, name, table(info.possible), written)
 
     def of_curve(name: str, info: CurveInfo) -> Kind:
         curve = CurveTable(info.unit, info.coordinate_unit, info.coordinate)
-        return _or_measured(kind, name, curve)
+        return _or_measured(kind, name, curve, written)
 
     keys = tuple(
         Key(name, of_number(name, info), f"{info.words}.", example=info.example)
@@ -117,14 +122,19 @@ def _targets(kind: TestType, use: Use) -> tuple[Kind, str]:
     return table_of_targets, f"{{ {keys[-1].name} = {keys[-1].example} }}"
 
 
-def _or_measured(kind: TestType, response: str, otherwise: TargetTable | CurveTable) -> Kind:
+def _or_measured(
+    kind: TestType,
+    response: str,
+    otherwise: TargetTable | CurveTable,
+    written: Mapping[str, Any],
+) -> Kind:
     """Return the kind of a target that may also be measured on pictures, or by a balance."""
     planned = isinstance(otherwise, PlannedTargetTable)
     measured: dict[str, Table] = {}
     if response in PHOTOGRAPHED.get(kind.name, ()):
         measured[PHOTOS] = photo_table(otherwise)
     if response in FILMED.get(kind.name, ()) and isinstance(otherwise, TargetTable):
-        measured |= drum_tables(otherwise)
+        measured |= drum_tables(otherwise, written)
     if response in WEIGHED and not planned:
         measured[BALANCE] = balance_table(response)
     return OrMeasured(otherwise, measured) if measured else otherwise
@@ -227,8 +237,8 @@ class Tests(Kind):
         chosen = Choice(tuple(kinds), instead_of_test).read(value["type"], place.at("type"))
         if chosen is None:
             return None
-        layout = layout_of_test(kinds[chosen], self.use)
         whole, instrument = with_instrument(value, place)
+        layout = layout_of_test(kinds[chosen], self.use, whole)
         specification: TestSpecification | None = layout.read(whole, place)
         if specification is None or instrument is None:
             return specification

@@ -357,7 +357,7 @@ def _require_one_slope(distance: Array, outlines: Array, angle: float, diameter:
     parts = np.array(
         [
             [
-                math.degrees(math.atan(-_robust_line(distance[part], surface[part])[0]))
+                math.degrees(math.atan(-robust_line(distance[part], surface[part])[0]))
                 for part in (slice(middle), slice(middle, None))
             ]
             for surface in surfaces
@@ -375,7 +375,7 @@ def _fit_flanks(distance: Array, outlines: Array, diameter: float) -> list[Flank
     # The depth depends weakly on the angle: two iterations converge to a hundredth of a degree.
     for _ in range(3):
         depth = outline_depth(distance, math.degrees(math.atan(-slope)), diameter)
-        lines = [_robust_line(distance, outline + depth) for outline in outlines]
+        lines = [robust_line(distance, outline + depth) for outline in outlines]
         slope = float(np.median([line[0] for line in lines]))
     for (slope, intercept), outline in zip(lines, outlines, strict=True):
         angle = math.degrees(math.atan(-slope))
@@ -388,7 +388,7 @@ def _fit_flanks(distance: Array, outlines: Array, diameter: float) -> list[Flank
     return flanks
 
 
-def _robust_line(x: Array, y: Array) -> tuple[float, float]:
+def robust_line(x: Array, y: Array) -> tuple[float, float]:
     """Slope and intercept with Huber's weights, which a particle perched on a flank cannot tilt.
 
     References

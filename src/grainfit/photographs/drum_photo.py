@@ -15,6 +15,7 @@ from grainfit.one_line import one_line
 from grainfit.photographs import messages
 from grainfit.photographs.drum import (
     DrumSeries,
+    DrumSize,
     DrumStill,
     measure_still,
     measure_stills,
@@ -46,7 +47,7 @@ class PhotographedDrum(Summary):
     series : tuple of DrumSeries
         What was found in each video, and in the stills.
     diameter : float or None
-        Of the drum, m.
+        Of the drum, m; None where it is not known.
     refused : dict
         Reason of each video or picture that was not measured.
     """
@@ -100,6 +101,8 @@ class PhotographedDrum(Summary):
         lines += [messages.REFUSED(path=path, reason=why) for path, why in self.refused.items()]
         if _of_level(self.parts) >= _LEVEL:
             lines.append(messages.LEVEL(error=_of_level(self.parts)))
+        if "perspective" in self.parts["dynamic_angle"]:
+            lines.append(messages.PERSPECTIVE())
         speed = self.rotational_speed
         if speed is None:
             lines.append(messages.NO_MARK())
@@ -122,7 +125,7 @@ def speed_of(series: Sequence[DrumSeries]) -> Response | None:
 
 def photo_drum(
     groups: Sequence[Sequence[Path]],
-    diameter: float | None,
+    size: DrumSize | None,
     level: float | None,
     overlays: Path | None,
 ) -> PhotographedDrum:
@@ -132,8 +135,8 @@ def photo_drum(
     ----------
     groups : sequence of sequence of Path
         Videos, and stills; all single stills, and those of a folder, are of one series.
-    diameter : float or None
-        Inner diameter of the drum, m.
+    size : DrumSize or None
+        Of the drum, where it is known.
     level : float or None
         Standard uncertainty of the camera's being level, degrees.
     overlays : Path or None
@@ -144,7 +147,7 @@ def photo_drum(
     NotMeasurableError
         Nothing can be measured, and why.
     """
-    series, refused = measure_series(groups, 1.0 if diameter is None else diameter / 2)
+    series, refused = measure_series(groups, size or DrumSize())
     if overlays is not None:
         draw_overlays(overlays, series, refused)
     if not series:
@@ -153,11 +156,12 @@ def photo_drum(
             messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
         )
     responses, parts = mean_of_series(series, level)
+    diameter = None if size is None else 2 * size.radius
     return PhotographedDrum(responses, parts, tuple(series), diameter, refused)
 
 
 def measure_series(
-    groups: Sequence[Sequence[Path]], radius: float, *, marker: bool = False
+    groups: Sequence[Sequence[Path]], size: DrumSize, *, marker: bool = False
 ) -> tuple[list[DrumSeries], dict[Path, str]]:
     """Measure every video, and the stills; return also why others were not measured.
 
@@ -165,8 +169,8 @@ def measure_series(
     ----------
     groups : sequence of sequence of Path
         As of `photo_drum`.
-    radius : float
-        Of the drum, m; 1 where it is not known.
+    size : DrumSize
+        Of the drum.
     marker : bool
         Whether the marker sheet must be seen.
 
@@ -192,13 +196,13 @@ def measure_series(
     single = [group[0] for group in groups if len(group) == 1]
     for path in filter(is_video, [path for group in groups for path in group]):
         video = Video(path)
-        kept(path, lambda video=video: measure_video(video, radius))  # type: ignore[misc]
+        kept(path, lambda video=video: measure_video(video, size))  # type: ignore[misc]
     of_one = [[path for path in single if not is_video(path)]]
     of_one += [[path for path in group if not is_video(path)] for group in groups if group[1:]]
     for paths in filter(None, of_one):
         stills = _stills(paths, refused)
         if stills:
-            kept(paths[0], lambda stills=stills: measure_stills(stills, radius))  # type: ignore[misc]
+            kept(paths[0], lambda stills=stills: measure_stills(stills, size))  # type: ignore[misc]
     return series, refused
 
 

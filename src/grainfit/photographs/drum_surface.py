@@ -41,8 +41,11 @@ _CONTRAST = 1.8
 _RING, _LIKE_WITHIN = (0.9, 0.95), 0.2
 #: Most of what is above the surface that may look like the bed.
 _SPECKS = 0.15
-#: Ends of the surface at which no height is measured, in radii from the middle.
-_ENDS = 0.93
+#: Ends of the surface at which no height is measured, in radii from the middle, and its distance
+#: from the edge of what is looked at.
+_ENDS, _BESIDE = 0.93, 0.02
+#: Depths in the drum at which the bed may be what is seen.
+_DEPTHS = 7
 
 
 @dataclass(frozen=True)
@@ -254,11 +257,37 @@ def _heights(likely: Floats) -> Array:
     x = places()
     limit = np.sqrt(np.maximum(_WITHIN**2 - x**2, 0.0))
     found = ndimage.median_filter(np.clip(found, -limit, limit), 5, mode="nearest")
-    seen = np.flatnonzero(np.abs(x) < _ENDS)
-    # Beside its ends the surface goes on as it is there.
-    found[: seen[0]], found[seen[-1] + 1 :] = found[seen[0]], found[seen[-1]]
-    heights: Array = np.clip(found, -limit, limit)
+    seen = np.flatnonzero((np.abs(x) < _ENDS) & (np.abs(found) < limit - _BESIDE))
+    if len(seen):
+        # Beside its ends, where the edge of the drum is, the surface goes on as it is there. Taken
+        # at the edge of what is looked at, it would turn the bed to the line along its rows.
+        found[: seen[0]], found[seen[-1] + 1 :] = found[seen[0]], found[seen[-1]]
+    heights: Array = found
     return heights
+
+
+def without_perspective(heights: Array, distance: float, length: float) -> Array:
+    """Return the surface of a bed that is alike all along the drum, from its outlines.
+
+    What lies deeper in the drum appears nearer to its axis, so that an outline shows the bed at the
+    back in the middle, and that at the front at its ends: the bed looks too flat, by half a degree
+    from eight radii away. The bed is the highest one that no depth would show above the outline.
+
+    Parameters
+    ----------
+    heights : ndarray of shape (..., n)
+        Outlines at `places`, in radii, seen along the axis.
+    distance, length : float
+        Of the camera before the front of the drum, and of the drum, in radii.
+    """
+    x = places()
+    rows = heights.reshape(-1, len(x))
+    found = rows.copy()
+    for depth in np.linspace(0.0, length, _DEPTHS)[1:]:
+        scale = distance / (distance + depth)
+        shown = [np.interp(scale * x, x, row) / scale for row in rows]
+        found = np.minimum(found, np.array(shown))
+    return found.reshape(heights.shape)
 
 
 def inclination_of(heights: Array) -> Array:
@@ -316,4 +345,5 @@ __all__ = [
     "inclination_of",
     "learn_colours",
     "places",
+    "without_perspective",
 ]

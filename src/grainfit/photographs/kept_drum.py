@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.files import write_atomically
+from grainfit.photographs.drum import DrumSize
 from grainfit.photographs.drum_photo import (
     draw_overlays,
     mean_of_series,
@@ -103,6 +104,7 @@ def measure_drum_once(
     hashes: Mapping[Path, str],
     folder: Path,
     *,
+    size: DrumSize,
     level: float | None = None,
     marker: bool = False,
     keep_version: bool = False,
@@ -117,6 +119,8 @@ def measure_drum_once(
         SHA-256 of each.
     folder : Path
         Where what was found is kept, with the overlays.
+    size : DrumSize
+        Of the drum.
     level : float, optional
         Standard uncertainty of the camera's being level, degrees.
     marker : bool
@@ -131,13 +135,13 @@ def measure_drum_once(
     OSError
         What was found cannot be written.
     """
-    what = [[[hashes[path] for path in group] for group in groups], level, marker]
+    what = [[[hashes[path] for path in group] for group in groups], size, level, marker]
     key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:12]
     name = f"{groups[0][0].stem}_{key}"
     kept = _read(folder / name)
     if kept is not None and (keep_version or kept.version == version_of_code()):
         return kept
-    series, refused = measure_series(groups, 1.0, marker=marker)
+    series, refused = measure_series(groups, size, marker=marker)
     (folder / name).mkdir(parents=True, exist_ok=True)
     draw_overlays(folder / name, series, refused)
     responses, parts = mean_of_series(series, level) if series else ({}, {})

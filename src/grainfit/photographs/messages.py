@@ -102,7 +102,9 @@ REFUSED = Message("{path}: {reason}")
 ONE_HEAP = Message(
     "This is one heap: fill three or four from the same sample for how heaps differ."
 )
-OTHER_TEST = Message("is {test!r}.", "These tests are photographed: heap, funnel, drum.")
+OTHER_TEST = Message(
+    "is {test!r}.", "These are photographed: heap, funnel, draw_down, drum, slope."
+)
 IMPOSSIBLE = Message("is {given!r}, and must be above zero.")
 
 # Drums.
@@ -175,8 +177,49 @@ LEVEL = Message(
     "It is taken that the camera is level within {error:g} degrees (--level). The marker sheet, or "
     "a second video of the drum that turns the other way, would tell it."
 )
+PERSPECTIVE = Message(
+    "Perspective makes the dynamic angle too small by up to a degree: give the distance of the "
+    "camera before the drum, with the drum's diameter and length (--distance, --drum, --length)."
+)
+WHOLE_DRUM = Message(
+    "is of use with the others only.",
+    "Give the distance of the camera, the diameter and the length of the drum, or none of them.",
+)
 DRUM_ONLY = Message("is of use for a drum only.", "Add --test drum, or leave it out.")
 NOT_OF_DRUM = Message("is of no use for a drum.", "Leave it out.")
+
+# Slopes.
+NO_SLOPE = Message(
+    "no slope is found: no straight edge that is neither level nor upright is longer than "
+    "{share:.0f} % of the picture.",
+    "Photograph plane or bed from the side, large in the picture, before a plain background of "
+    "another brightness.",
+)
+TWO_SLOPES = Message(
+    "there are two slopes of nearly the same length, of {first:.1f} and {second:.1f} degrees.",
+    "Keep other inclined edges out of the picture.",
+)
+FAINT_SLOPE = Message(
+    "the edge of the slope is seen on {share:.0f} % of its length only.",
+    "Put a plain background of another brightness behind it.",
+)
+BENT_SLOPE = Message(
+    "its two halves are inclined by {bend:.1f} degrees to each other, and at most {most:g} are "
+    "those of one slope.",
+    "Photograph a plane, or a bed that is not curved.",
+)
+SHORT_REFERENCE = Message(
+    "the points of the reference are too near to each other.",
+    "Give two points far apart on a level edge (--reference).",
+)
+LEVEL_SLOPE = Message(
+    "It is taken that the camera is level within {error:g} degrees (--level). The marker sheet, or "
+    "two points of a level line in the picture (--reference), would tell it."
+)
+ONE_SLOPE = Message("This is one picture: tilt the plane three or four times anew.")
+SLOPE_ONLY = Message("is of use for a slope only.", "Add --test slope, or leave it out.")
+NOT_OF_SLOPE = Message("is of no use for a slope.", "Leave it out.")
+NO_REFERENCE = Message("is {given!r}.", 'Give two points in pixels: "100,912 1480,915".')
 
 # By hand.
 BY_HAND = Message("{drawn} drawn by hand")

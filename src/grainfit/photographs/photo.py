@@ -16,10 +16,13 @@ from grainfit.messages import Message
 from grainfit.one_line import one_line
 from grainfit.photographs import messages
 from grainfit.photographs.by_hand import ByHand
+from grainfit.photographs.drum import DrumSize
 from grainfit.photographs.drum_photo import PhotographedDrum, photo_drum
 from grainfit.photographs.heap import HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import Picture, is_picture, opencv, read_picture
+from grainfit.photographs.slope import Points
+from grainfit.photographs.slope_photo import PhotographedSlopes, photo_slopes
 from grainfit.photographs.videos import is_video
 from grainfit.tables import Summary, TextTable
 from grainfit.units import UnitError, to_unit
@@ -29,7 +32,7 @@ _FLANKS, _COUNTS_AS = 1.2, 2
 #: Any number of pictures of one heap shows six independent flanks (as of simulated silhouettes).
 _INDEPENDENT_FLANKS = 6
 
-Photographed = Literal["heap", "funnel", "drum"]
+Photographed = Literal["heap", "funnel", "drum", "slope"]
 Heaps = Literal["heap", "funnel"]
 PathLike = str | Path
 
@@ -110,9 +113,22 @@ def photo(
 @overload
 def photo(
     pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
+    test: Literal["slope"],
+    *,
+    level: str | float | None = ...,
+    reference: Points | None = ...,
+    overlays: PathLike | None = ...,
+) -> PhotographedSlopes: ...
+
+
+@overload
+def photo(
+    pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
     test: Literal["drum"],
     *,
     drum: str | float | None = ...,
+    distance: str | float | None = ...,
+    length: str | float | None = ...,
     level: str | float | None = ...,
     overlays: PathLike | None = ...,
 ) -> PhotographedDrum: ...
@@ -126,11 +142,14 @@ def photo(
     plate: str | float | None = None,
     elevation: str | float | None = None,
     drum: str | float | None = None,
+    distance: str | float | None = None,
+    length: str | float | None = None,
     level: str | float | None = None,
     points: Sequence[tuple[float, float]] | None = None,
     rectangle: tuple[str | float, str | float] | None = None,
+    reference: Points | None = None,
     overlays: PathLike | None = None,
-) -> PhotographedHeaps | PhotographedDrum:
+) -> PhotographedHeaps | PhotographedDrum | PhotographedSlopes:
     """Measure angles on photographs and videos, by the code that measures simulated tests.
 
     What was drawn on a picture by hand (``grainfit photo --edit PICTURE``) is taken from the file
@@ -140,9 +159,11 @@ def photo(
     ----------
     pictures : path, or sequence of these and of sequences
         JPEG, HEIC, PNG, BMP or TIFF. Each picture shows a heap of its own; those of a folder or of
-        a sequence within the sequence show one heap. Of a drum: videos, or at least five stills.
-    test : {"heap", "funnel", "drum"}
-        What is photographed; heaps of both kinds are measured alike.
+        a sequence within the sequence show one heap. Of a drum: videos, or at least five stills. Of
+        a slope each picture is a repeat.
+    test : {"heap", "funnel", "drum", "slope"}
+        What is photographed; heaps of both kinds are measured alike. A slope is an inclined plane
+        or bed.
     diameter : str or float, optional
         Of the particles, such as ``"3 mm"``, or in m; by the roughness of the outline if not given.
     plate : str or float, optional
@@ -151,21 +172,26 @@ def photo(
         Of the camera above the horizontal, such as ``"5 deg"``, or in degrees; by the edge of the
         plate or by the foot of the heap if not given.
     drum : str or float, optional
-        Inner diameter of the drum; the angles do not need it.
+        Inner diameter of the drum; alone, the angles do not need it.
+    distance, length : str or float, optional
+        Of the camera before the front of the drum, and of the drum along its axis: with the
+        diameter they tell how perspective flattens the bed.
     level : str or float, optional
-        Standard uncertainty of how level the camera before a drum is; 0.5 degrees if neither the
-        marker sheet nor a drum that turns the other way tells it.
+        Standard uncertainty of how level the camera before a drum or a slope is; 0.5 degrees if
+        neither the marker sheet, a reference line, nor a drum that turns the other way tells it.
     points : sequence of four pairs of float, optional
         Corners of a level rectangle in the picture, in any order: columns and rows, pixels. They
         tell the elevation and the roll where there is no marker sheet. For one picture.
     rectangle : pair of str or float, optional
         Sides of that rectangle, such as ``("297 mm", "210 mm")``, or in m: the known length.
+    reference : pair of pairs of float, optional
+        Two points of a level line in a picture of a slope: columns and rows, pixels.
     overlays : path, optional
         Folder for a copy of every picture with what was found drawn on it.
 
     Returns
     -------
-    PhotographedHeaps or PhotographedDrum
+    PhotographedHeaps, PhotographedDrum or PhotographedSlopes
         Mean and standard uncertainty, and what was found on each picture.
 
     Raises
@@ -185,15 +211,42 @@ def photo(
         "points": points,
         "rectangle": rectangle,
     }
-    of_drum = {"drum": drum, "level": level}
+    of_drum = {"drum": drum, "distance": distance, "length": length}
+    folder = None if overlays is None else Path(overlays)
+    angle = _number("level", level, "deg")
     if test == "drum":
-        _require_none(of_heap, messages.NOT_OF_DRUM)
-        folder = None if overlays is None else Path(overlays)
-        known_diameter = _number("drum", drum, "m")
-        return photo_drum(_groups(pictures), known_diameter, _number("level", level, "deg"), folder)
-    _require_none(of_drum, messages.DRUM_ONLY)
+        _require_none({**of_heap, "reference": reference}, messages.NOT_OF_DRUM)
+        size = drum_size(drum, distance, length)
+        return photo_drum(_groups(pictures), size, angle, folder)
+    if test == "slope":
+        _require_none({**of_heap, **of_drum}, messages.NOT_OF_SLOPE)
+        paths = [path for group in _groups(pictures) for path in group]
+        if reference is not None and len(paths) > 1:
+            raise InputError(messages.ONE_PICTURE.fault("reference"))
+        return photo_slopes(paths, reference, angle, folder)
+    _require_none({**of_drum, "level": level}, messages.DRUM_ONLY)
+    _require_none({"reference": reference}, messages.SLOPE_ONLY)
     known = known_of(diameter, plate, elevation, rectangle)
     return _photo_heaps(pictures, known, points, overlays)
+
+
+def drum_size(
+    drum: str | float | None, distance: str | float | None, length: str | float | None
+) -> DrumSize | None:
+    """Return the lengths of a drum, given as `photo` takes them, m; None without any.
+
+    Raises
+    ------
+    InputError
+        One is impossible, or of no use without the others.
+    """
+    radius = None if drum is None else _number("drum", drum, "m")
+    for key, given in (("distance", distance), ("length", length)):
+        if given is not None and None in (drum, distance, length):
+            raise InputError(messages.WHOLE_DRUM.fault(key))
+    if radius is None:
+        return None
+    return DrumSize(radius / 2, _number("distance", distance, "m"), _number("length", length, "m"))
 
 
 def _require_none(options: Mapping[str, object], said: Message) -> None:

@@ -20,12 +20,12 @@ def photo(
         typer.Argument(
             metavar="PICTURE...",
             help="Pictures, each of a heap of its own; a folder has pictures of one heap. Videos, "
-            "or at least five stills, of a drum.",
+            "or at least five stills, of a drum; pictures of a slope, each a repeat.",
             show_default=False,
         ),
     ] = None,
     test: Annotated[
-        Literal["heap", "funnel", "drum"], typer.Option(help="Test that is photographed.")
+        Literal["heap", "funnel", "drum", "slope"], typer.Option(help="Test that is photographed.")
     ] = "heap",
     diameter: Annotated[
         str | None,
@@ -47,12 +47,24 @@ def photo(
         str | None,
         typer.Option(metavar="LENGTH", help='Inner diameter of the drum, such as "84 mm".'),
     ] = None,
+    distance: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help='Of the camera before the front of the drum, such as "50 cm", with --drum and '
+            "--length: takes perspective out.",
+        ),
+    ] = None,
+    length: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help='Of the drum along its axis, such as "20 mm".'),
+    ] = None,
     level: Annotated[
         str | None,
         typer.Option(
             metavar="ANGLE",
-            help="Standard uncertainty of how level the camera before a drum is, 0.5 deg if "
-            "nothing tells it.",
+            help="Standard uncertainty of how level the camera before drum or slope is, 0.5 deg "
+            "if nothing tells it.",
         ),
     ] = None,
     points: Annotated[
@@ -66,6 +78,12 @@ def photo(
         str | None,
         typer.Option(
             metavar="LENGTH x LENGTH", help='Its sides, such as "297 mm x 210 mm": a known length.'
+        ),
+    ] = None,
+    reference: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y X,Y", help="Two points of a level line in a picture of a slope, pixels."
         ),
     ] = None,
     edit: Annotated[
@@ -86,7 +104,7 @@ def photo(
         typer.Option(metavar="FILE.pdf", help="Write the sheet of markers to print, no more."),
     ] = None,
 ) -> None:
-    """Measure heaps and turning drums on photographs and videos, as simulated ones.
+    """Measure heaps, turning drums and slopes on photographs and videos, as simulated ones.
 
     Look at the overlays: they show outline, plate and flanks as they were found.
     A picture that cannot be measured is refused with the reason. A printed sheet of markers
@@ -95,6 +113,8 @@ def photo(
     Example:  grainfit photo heap_*.jpg --plate "200 mm" --diameter "3 mm"
 
     Example:  grainfit photo --test drum --drum "84 mm" turning.mp4
+
+    Example:  grainfit photo --test slope plane_*.jpg --level "0.1 deg"
     """
     if marker is not None:
         from grainfit.photographs.marker import write_marker_sheet
@@ -105,7 +125,7 @@ def photo(
     if not pictures:
         raise InputError(messages.NO_PICTURES.fault("PICTURE"))
     known: dict[str, Any] = {"diameter": diameter, "plate": plate, "elevation": elevation}
-    corners = None if points is None else _corners(points)
+    corners = None if points is None else _places("points", points, 4)
     sides = None if rectangle is None else rectangle.split("x")
     known |= {"points": corners, "rectangle": sides}
     if edit:
@@ -114,21 +134,23 @@ def photo(
     with err_remarks.status("photographs"):
         from grainfit.photographs.photo import photo as measured
 
-        known |= {"drum": drum, "level": level, "overlays": overlays}
+        line = None if reference is None else _places("reference", reference, 2)
+        known |= {"drum": drum, "distance": distance, "length": length, "level": level}
+        known |= {"reference": line, "overlays": overlays}
         found = measured(pictures, test, **known)
     show.print_parts(out, found.summary())
 
 
-def _corners(given: str) -> list[tuple[float, float]]:
-    from grainfit.photographs.messages import NO_POINTS
+def _places(key: str, given: str, count: int) -> list[tuple[float, float]]:
+    from grainfit.photographs.messages import NO_POINTS, NO_REFERENCE
 
     try:
-        corners = [tuple(map(float, place.split(","))) for place in given.split()]
+        places = [tuple(map(float, place.split(","))) for place in given.split()]
     except ValueError:
-        corners = []
-    if len(corners) != 4 or any(len(place) != 2 for place in corners):
-        raise InputError(NO_POINTS.fault("points", given=given))
-    return [(place[0], place[1]) for place in corners]
+        places = []
+    if len(places) != count or any(len(place) != 2 for place in places):
+        raise InputError((NO_POINTS if key == "points" else NO_REFERENCE).fault(key, given=given))
+    return [(place[0], place[1]) for place in places]
 
 
 def _edit(pictures: list[Path], port: int, open_page: bool, known: dict[str, Any]) -> None:

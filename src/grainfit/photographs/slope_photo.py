@@ -1,0 +1,154 @@
+"""Angles of inclined planes and beds that were photographed: friction on a wall."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from grainfit.errors import NotMeasurableError
+from grainfit.evaluation import Response
+from grainfit.measurement.sheet import FLANK
+from grainfit.one_line import one_line
+from grainfit.photographs import messages
+from grainfit.photographs.overlay import PLATE, draw_line, write_page
+from grainfit.photographs.pictures import Picture, read_picture
+from grainfit.photographs.slope import LEVEL, Points, SlopeInPicture, measure_slope
+from grainfit.tables import Summary, TextTable
+
+
+@dataclass(frozen=True)
+class PhotographedSlopes(Summary):
+    """What was measured on pictures of inclined planes or beds.
+
+    Parameters
+    ----------
+    angle : Response
+        Mean of the pictures and its standard uncertainty, degrees.
+    slopes : tuple of SlopeInPicture
+        What was found on each.
+    parts : dict
+        Standard uncertainties of the mean by their source, degrees.
+    refused : dict
+        Reason of each picture that was not measured.
+    """
+
+    __repr__ = one_line
+
+    angle: Response
+    slopes: tuple[SlopeInPicture, ...]
+    parts: dict[str, float]
+    refused: dict[Path, str]
+
+    @property
+    def target(self) -> str:
+        """Line of a calibration file, below ``[particle_wall]``."""
+        value, error = self.angle.value, self.angle.standard_error
+        return (
+            f'sliding_friction = {{ measured_angle = "{value:.2f} deg", '
+            f'uncertainty = "{error:.2f} deg" }}'
+        )
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return a table of the pictures, what is refused, and the result."""
+        rows = tuple(
+            (
+                found.picture.path.name,
+                f"{found.angle:.2f} ± {found.uncertainty:.2f}",
+                f"{found.level:+.2f}",
+                found.seen_by,
+            )
+            for found in self.slopes
+        )
+        table = TextTable(("picture", "angle, °", "horizontal, °", "by"), rows)
+        lines: list[str | TextTable] = [table]
+        lines += [messages.REFUSED(path=path, reason=why) for path, why in self.refused.items()]
+        sources = ", ".join(f"{name} {part:.2f}°" for name, part in self.parts.items())
+        value, error = self.angle.value, self.angle.standard_error
+        lines.append(f"angle: {value:.2f} ± {error:.2f} deg ({sources})")
+        if self.parts["horizontal"] >= LEVEL:
+            lines.append(messages.LEVEL_SLOPE(error=self.parts["horizontal"]))
+        if len(self.slopes) == 1:
+            lines.append(messages.ONE_SLOPE())
+        return (*lines, self.target)
+
+
+def photo_slopes(
+    paths: Sequence[Path], reference: Points | None, level: float | None, overlays: Path | None
+) -> PhotographedSlopes:
+    """Measure the inclination of a plane or a bed on pictures, each a repeat.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        The pictures.
+    reference : pair of places, optional
+        Columns and rows of two points of a level line in the one picture, pixels.
+    level : float, optional
+        Standard uncertainty of how level the camera is, degrees.
+    overlays : Path, optional
+        Folder for pictures with what was found drawn on them.
+
+    Raises
+    ------
+    InputError
+        A picture cannot be read.
+    NotMeasurableError
+        None can be measured, and why.
+    """
+    slopes: list[SlopeInPicture] = []
+    refused: dict[Path, str] = {}
+    for path in paths:
+        picture = read_picture(path)
+        found: SlopeInPicture | str
+        try:
+            found = measure_slope(picture, reference, level)
+            slopes.append(found)
+        except NotMeasurableError as error:
+            found = refused[path] = str(error)
+        if overlays is not None:
+            _draw(overlays, picture, found)
+    if not slopes:
+        reasons = "\n".join(messages.REFUSED(path=p, reason=why) for p, why in refused.items())
+        raise NotMeasurableError(
+            messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
+        )
+    angles = [found.angle for found in slopes]
+    parts = {
+        # What is wrong in one picture is wrong alike in others of the same camera.
+        name: math.sqrt(float(np.mean([found.parts[name] ** 2 for found in slopes])))
+        for name in slopes[0].parts
+    }
+    if len(slopes) > 1:
+        parts["edge"] /= math.sqrt(len(slopes))
+        scatter = float(np.std(angles, ddof=1)) / math.sqrt(len(slopes))
+        parts = {"from picture to picture": scatter, **parts}
+    mean = Response(float(np.mean(angles)), math.sqrt(sum(part**2 for part in parts.values())))
+    return PhotographedSlopes(mean, tuple(slopes), parts, refused)
+
+
+def _draw(folder: Path, picture: Picture, found: SlopeInPicture | str) -> None:
+    """Write the picture with its slope and the horizontal, or with why it is not measured."""
+    image = Image.fromarray(picture.colours)
+    if isinstance(found, str):
+        text, ending = f"not measured: {found}", "refused"
+    else:
+        draw = ImageDraw.Draw(image)
+        width = max(2, image.width // 400)
+        edge = found.edge
+        foot = min(edge.start, edge.end, key=lambda place: -place[1])
+        other = edge.end if foot == edge.start else edge.start
+        reach, a = other[0] - foot[0], math.tan(math.radians(found.level))
+        level = np.array([foot, (foot[0] + reach, foot[1] - reach * a)])
+        draw_line(draw, level, PLATE, width)
+        draw_line(draw, np.array([edge.start, edge.end]), FLANK, width)
+        text = f"{found.angle:.2f}° ± {found.uncertainty:.2f}° (horizontal {found.seen_by})"
+        ending = "measured"
+    write_page(image, text, folder / f"{picture.path.stem}_{ending}.png")
+
+
+__all__ = ["PhotographedSlopes", "photo_slopes"]
