@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grainfit.campaign import messages
-from grainfit.campaign.cluster.executor import cluster_executor, is_available
+from grainfit.campaign.cluster.executor import cluster_executor, describe_cluster, is_available
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import GrainfitError, InputError
 
@@ -25,6 +25,52 @@ def test_every_fault_of_the_options_is_told_at_once() -> None:
         "walltime",
         "options",
     ]
+
+
+@pytest.mark.parametrize(
+    ("scheduler", "option", "words"),
+    [
+        ("slurm", "-l mem=4gb", "'--mem=4G'"),
+        ("slurm", "--part=long", "partition"),
+        ("pbs", "--mem=4G", "':mem=4gb'"),
+        ("pbs", "-q long", "partition"),
+        ("pbs", "-l walltime=2:00:00", "walltime"),
+        ("pbs", "-l select=2:ncpus=4", "Remove it"),
+        ("sge", "--mem=4G", "'-l h_vmem=4G'"),
+        ("sge", "-pe mpi 8", "parallel_environment"),
+        ("sge", "-o log", "Remove it"),
+        ("lsf", "-W 120", "walltime"),
+        ("lsf", "-n 16", "Remove it"),
+    ],
+)
+def test_directives_are_those_of_the_scheduler(scheduler: str, option: str, words: str) -> None:
+    with pytest.raises(InputError) as caught:
+        ClusterOptions(scheduler, walltime=3600.0, options=(option,))
+    [fault] = caught.value.faults
+    assert fault.key == "options"
+    assert words in str(fault)
+
+
+def test_directives_that_are_a_users_are_passed_on() -> None:
+    for scheduler, option in {
+        "slurm": "--mem=4G",
+        "pbs": "-l place=excl",
+        "sge": "-l h_vmem=4G",
+        "lsf": '-R "rusage[mem=4096]"',
+    }.items():
+        assert ClusterOptions(scheduler, walltime=3600.0, options=(option,)).options == (option,)
+
+
+def test_a_scheduler_that_is_not_known_names_those_that_are() -> None:
+    with pytest.raises(InputError, match="slurm, pbs, sge, lsf, local"):
+        ClusterOptions("condor", walltime=3600.0)
+
+
+def test_local_runs_here_and_needs_no_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    local = ClusterOptions("local", partition="short", options=("--mem=4G",))
+    assert not is_available(local)
+    [line] = describe_cluster(local)
+    assert "on this machine" in line
 
 
 @pytest.mark.parametrize("setup", ["", "a\nb", "a\rb", "a\u2028b"])

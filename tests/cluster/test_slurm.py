@@ -22,7 +22,7 @@ import grainfit as gf
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.campaign import messages
-from grainfit.campaign.cluster import parsl_executor
+from grainfit.campaign.cluster import followed, parsl_executor
 from grainfit.campaign.cluster import slurm as slurm_jobs
 from grainfit.campaign.cluster.executor import cluster_executor
 from grainfit.campaign.cluster.options import ClusterOptions
@@ -235,7 +235,7 @@ def calls(folder: Path) -> list[str]:
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """All that has to be noticed is noticed three times as fast as usual."""
     for name, seconds in (("HEARTBEAT", 2), ("LOST", 6), ("STATUS", 3), ("LOOK", 1)):
-        home = slurm_jobs if name == "STATUS" else parsl_executor
+        home = followed if name == "STATUS" else parsl_executor
         monkeypatch.setattr(home, f"_{name}_SECONDS", seconds)
 
 
@@ -450,7 +450,7 @@ def test_jobs_that_cannot_start_end_the_calibration_with_the_reason(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(slurm_jobs, "_FAILED_START_SECONDS", 3.0)
-    monkeypatch.setattr(slurm_jobs, "_STATUS_SECONDS", 2)
+    monkeypatch.setattr(followed, "_STATUS_SECONDS", 2)
     hopeless = {
         "sbatch: error: invalid partition specified: nope": {"partition": "nope"},
         "PENDING, PartitionTimeLimit": {"partition": "closed"},

@@ -7,10 +7,10 @@ from typing import Any
 
 from grainfit.campaign.cluster.options import (
     LONGEST_WALLTIME,
-    SCHEDULERS,
     SHORTEST_WALLTIME,
     ClusterOptions,
 )
+from grainfit.campaign.cluster.schedulers import SCHEDULERS
 from grainfit.errors import InputError
 from grainfit.files import is_file
 from grainfit.options.kinds import Choice, Kind, ListOf, Quantity, Schema, Text, Whole
@@ -57,8 +57,8 @@ _COUNT = Whole(1, 4096)
 
 CLUSTER = (
     Key("scheduler", Choice(tuple(SCHEDULERS)), "Scheduler of the cluster; slurm by default."),
-    Key("partition", Text(), "Partition of the jobs; the scheduler's own by default."),
-    Key("account", Text(), "Account to charge; the scheduler's own by default."),
+    Key("partition", Text(), "Partition (queue) of the jobs; the scheduler's own by default."),
+    Key("account", Text(), "Account (project) to charge; the scheduler's own by default."),
     Key(
         "walltime",
         Quantity("s", lowest=SHORTEST_WALLTIME, highest=LONGEST_WALLTIME),
@@ -79,6 +79,11 @@ CLUSTER = (
         ListOf(Text()),
         "Further directives for the scheduler.",
         example='["--mem=4G", "--constraint=skylake"]',
+    ),
+    Key(
+        "parallel_environment",
+        Text(),
+        "Parallel environment of Grid Engine for several cores of one node; smp by default.",
     ),
     Key(
         "parsl",

@@ -105,6 +105,7 @@ PATH_FOR_SCRIPTS = Message(
     "path.",
     "Choose one of letters (a to z), digits and _ . - with --workdir.",
 )
+RUNS_HERE = Message("scheduler is local: the runs are executed on this machine.")
 NO_PARSL = Message("runs on a cluster need Parsl, which is not installed.", "{install}")
 NO_CONFIG = Message("{reference} is a {kind}, not a parsl.Config.")
 INTERCHANGE_ENDED = Message(
@@ -124,6 +125,9 @@ NO_NAME = Message("{given!r} cannot be a name.", "Use letters (a to z), digits a
 NO_WALLTIME = Message("is missing.", 'Set how long a job may last: walltime = "2 h".')
 WALLTIME = Message("is {given:g} s.", "It must be from 1 minute to 1 year.")
 NOT_ONE_LINE = Message("{given!r} is not one line.", "Write a list, line by line.")
-NO_DIRECTIVE = Message("{given!r} is no directive.", 'Write it like "--mem=4G".')
+NO_DIRECTIVE = Message(
+    "{given!r} is no directive of the scheduler.", "Write it like {example!r}, or set scheduler."
+)
+OF_GRID_ENGINE = Message("is of Grid Engine alone.", 'Remove it, or set scheduler = "sge".')
 HAS_A_KEY = Message("{given!r} has a key of its own.", "Use {key}.")
 DECIDED = Message("{given!r} is for grainfit to decide.", "Remove it.")

@@ -14,7 +14,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from grainfit.campaign import messages
-from grainfit.campaign.cluster.options import SCHEDULERS, ClusterOptions
+from grainfit.campaign.cluster.options import ClusterOptions
+from grainfit.campaign.cluster.schedulers import SCHEDULERS
 from grainfit.errors import GrainfitError
 from grainfit.extras import how_to_install
 
@@ -24,7 +25,9 @@ _SAFE_PATH = re.compile(r"[A-Za-z0-9_./+@,:=-]+")
 
 def is_available(options: ClusterOptions) -> bool:
     """Return True if jobs can be submitted here; assumed for a custom Parsl configuration."""
-    return options.parsl is not None or shutil.which(SCHEDULERS[options.scheduler]) is not None
+    return (
+        options.parsl is not None or shutil.which(SCHEDULERS[options.scheduler].command) is not None
+    )
 
 
 def describe_cluster(options: ClusterOptions) -> list[str]:
@@ -32,6 +35,8 @@ def describe_cluster(options: ClusterOptions) -> list[str]:
     workers = f"Cluster: {options.workers} runs at a time"
     if options.parsl is not None:
         return [f"{workers} by your own Parsl configuration."]
+    if options.scheduler == "local":
+        return [f"Cluster: {messages.RUNS_HERE()}"]
     assert options.walltime is not None, "options without it are refused"
     cores = options.runs_per_job * (options.cores_per_run or 1)
     lines = [
@@ -52,7 +57,9 @@ def executed_by(options: ClusterOptions) -> list[str]:
 
 def missing_scheduler(options: ClusterOptions) -> str:
     """Return the message that this machine has no scheduler, and the consequence."""
-    command = SCHEDULERS[options.scheduler]
+    if options.scheduler == "local":
+        return messages.RUNS_HERE()
+    command = SCHEDULERS[options.scheduler].command
     return messages.NO_SCHEDULER(command=command)
 
 

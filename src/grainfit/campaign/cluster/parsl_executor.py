@@ -32,8 +32,9 @@ from parsl.executors.status_handling import BlockProviderExecutor
 from parsl.logconfigs.file import FileLogging
 
 from grainfit.campaign import messages
+from grainfit.campaign.cluster.followed import END_SECONDS, Followed, GridEngine, Lsf, Pbs
 from grainfit.campaign.cluster.options import ClusterOptions
-from grainfit.campaign.cluster.slurm import END_SECONDS, GiveUp, Slurm
+from grainfit.campaign.cluster.slurm import GiveUp, Slurm
 from grainfit.campaign.pending import ClusterJob
 from grainfit.errors import ExecutorError, GrainfitError
 from grainfit.options.python_file import PythonFile
@@ -55,7 +56,7 @@ _WORKER_POOL = (
 @contextmanager
 def jobs_of(options: ClusterOptions, folder: Path) -> Iterator[Executor]:
     """See `grainfit.campaign.cluster.executor.cluster_executor`; the folder is that of Parsl."""
-    config = _own_config(options.parsl) if options.parsl else _slurm_config(options)
+    config = _own_config(options.parsl) if options.parsl else _config(options)
     config.run_dir = str(folder)
     config.usage_tracking = 0
     # The campaign decides which runs are tried again.
@@ -69,30 +70,66 @@ def jobs_of(options: ClusterOptions, folder: Path) -> Iterator[Executor]:
             jobs.end()
 
 
-def _slurm_config(options: ClusterOptions) -> Config:
+def _provider(options: ClusterOptions) -> Followed:
+    """Return what submits the jobs; a lost one is replaced here, and must not be requeued."""
     assert options.walltime is not None, "options without it are refused"
     minutes = int(options.walltime // 60)
-    cores_per_run = options.cores_per_run or 1
-    provider = Slurm(
-        partition=options.partition,
-        account=options.account,
-        walltime=f"{minutes // 60:02d}:{minutes % 60:02d}:00",
-        cores_per_node=options.runs_per_job * cores_per_run,
-        init_blocks=0,
-        max_blocks=options.jobs,
+    cores = options.runs_per_job * (options.cores_per_run or 1)
+    given: dict[str, Any] = {
+        "walltime": f"{minutes // 60:02d}:{minutes % 60:02d}:00",
+        "init_blocks": 0,
+        "max_blocks": options.jobs,
+        "worker_init": "\n".join(options.setup),
+        "cmd_timeout": 30,
+    }
+    queue, account = options.partition, options.account
+    match options.scheduler:
+        case "pbs":
+            chunks = [one for one in options.options if one.startswith(":")]
+            others = [one for one in options.options if not one.startswith(":")]
+            return Pbs(  # type: ignore[no-untyped-call]
+                queue=queue,
+                account=account,
+                cpus_per_node=cores,
+                select_options="".join(chunks),
+                scheduler_options=_directives("#PBS", ["-r n", *others]),
+                **given,
+            )
+        case "sge":
+            wanted = ["-r n", *([f"-P {account}"] if account else [])]
+            wanted += [f"-pe {options.parallel_environment or 'smp'} {cores}"] if cores > 1 else []
+            directives = _directives("#$", [*wanted, *options.options])
+            return GridEngine(queue=queue, scheduler_options=directives, **given)
+        case "lsf":
+            return Lsf(  # type: ignore[no-untyped-call]
+                queue=queue,
+                project=account,
+                request_by_nodes=False,
+                cores_per_block=cores,
+                cores_per_node=cores,
+                bsub_redirection=True,
+                scheduler_options=_directives("#BSUB", ["-rn", *options.options]),
+                **given,
+            )
+    return Slurm(
+        partition=queue,
+        account=account,
+        cores_per_node=cores,
         exclusive=False,
-        worker_init="\n".join(options.setup),
-        # A job that lost its node is replaced here; Slurm must not requeue it as well.
-        scheduler_options=_directives(["--no-requeue", *options.options]),
-        cmd_timeout=30,
+        scheduler_options=_directives("#SBATCH", ["--no-requeue", *options.options]),
+        **given,
     )
+
+
+def _config(options: ClusterOptions) -> Config:
+    provider = _provider(options)
     executor = HighThroughputExecutor(
         label="grainfit",
         provider=provider,
         # All interfaces. Without an address Parsl would ask the internet for one.
         address="0.0.0.0",
         max_workers_per_node=options.runs_per_job,
-        cores_per_worker=float(cores_per_run),
+        cores_per_worker=float(options.cores_per_run or 1),
         heartbeat_period=_HEARTBEAT_SECONDS,
         heartbeat_threshold=_LOST_SECONDS,
         launch_cmd=DEFAULT_LAUNCH_CMD.replace("process_worker_pool.py", _WORKER_POOL),
@@ -107,8 +144,8 @@ def _slurm_config(options: ClusterOptions) -> Config:
     )
 
 
-def _directives(options: Iterable[str]) -> str:
-    return "\n".join(f"#SBATCH {option}" for option in options)
+def _directives(sign: str, options: Iterable[str]) -> str:
+    return "\n".join(f"{sign} {option}" for option in options)
 
 
 def _addresses() -> set[str]:
@@ -224,7 +261,7 @@ class _Jobs(Executor):
             if isinstance(executor, BlockProviderExecutor) and executor.provider is not None:
                 if executor.bad_state_is_set or cleanup.is_alive():
                     executor.provider.cancel(list(executor.blocks_to_job_id.values()))
-                if isinstance(executor.provider, Slurm):
+                if isinstance(executor.provider, Followed):
                     executor.provider.wait_until_gone()
 
 
@@ -237,7 +274,7 @@ def _in_job(
 ) -> _Result:
     """Execute a call in a worker of a job; its processes end with the job."""
     signal.signal(signal.SIGTERM, _end_job)
-    # Not every Slurm finds the processes of a job whose parent was ended first.
+    # Not every scheduler finds the processes of a job whose parent was ended first.
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     result = function(*arguments, **named)
     # The processes of a job are ended one by one. A solver that was ended before its worker must

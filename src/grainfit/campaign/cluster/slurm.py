@@ -13,18 +13,16 @@ from parsl.executors import HighThroughputExecutor
 from parsl.executors.status_handling import BlockProviderExecutor
 from parsl.jobs.states import TERMINAL_STATES, JobState, JobStatus
 from parsl.providers import SlurmProvider
-from parsl.providers.errors import SubmitException
 
 from grainfit.campaign import messages
+from grainfit.campaign.cluster.followed import END_SECONDS, Followed, Heard
 from grainfit.errors import ExecutorError
 
-_STATUS_SECONDS = 10
 #: Number of jobs in a row, and the time over which they fail, before the cluster is given up.
 _FAILED_STARTS = 3
 _FAILED_START_SECONDS = 25.0
 #: Longest time without an answer of Slurm, once a job has started, before it is given up.
 _OUTAGE_SECONDS = 600.0
-END_SECONDS = 30.0
 _ALIVE = {"PENDING", "CONFIGURING", "REQUEUED", "RUNNING", "COMPLETING", "SUSPENDED"}
 _STATES = {
     "PENDING": JobState.PENDING,
@@ -44,8 +42,6 @@ _STATES = {
     "OUT_OF_MEMORY": JobState.FAILED,
     "REVOKED": JobState.FAILED,
 }
-#: Messages of sbatch for a job that will not be accepted later either.
-_REFUSED = re.compile(r"invalid|not permitted|not available|violates", re.IGNORECASE)
 #: Reasons for which Slurm accepts a job and never starts it.
 _NEVER = {
     *("AssocMaxCpuPerJobLimit", "AssocMaxMemPerJob", "AssocMaxWallDurationPerJobLimit"),
@@ -55,31 +51,10 @@ _NEVER = {
 }
 
 
-class Slurm(SlurmProvider):
+class Slurm(Followed, SlurmProvider, Heard):
     """Slurm provider that also reports how a job ended and whether it can ever start."""
 
-    #: Reason, given by Slurm, for which no such job can ever start.
-    refusal = ""
-
-    @property
-    def status_polling_interval(self) -> int:
-        """Interval at which the queue is checked, s."""
-        return _STATUS_SECONDS
-
-    def submit(self, command: str, tasks_per_node: int, job_name: str = "grainfit") -> str:
-        """Submit a job; an error has the message of Slurm."""
-        try:
-            job: str = super().submit(command, tasks_per_node, job_name)
-        except SubmitException as error:
-            message = " ".join((error.stderr or error.message).split())
-            if _REFUSED.search(message):
-                self.refusal = message
-            raise ExecutorError(message) from error
-        return job
-
-    def cancel(self, job_ids: Sequence[object]) -> list[bool]:
-        """End jobs."""
-        return list(super().cancel(job_ids)) if job_ids else []  # type: ignore[no-untyped-call]
+    scheduler = "Slurm"
 
     def _status(self) -> None:
         queue = self._queue()
@@ -129,11 +104,11 @@ class Slurm(SlurmProvider):
 class GiveUp:
     """Give up when several jobs in a row end before their workers have reported.
 
-    A job that is lost later does not count. A job that Slurm did not accept because it does not
-    answer counts for as long as a restart of Slurm may take.
+    A job that is lost later does not count. A job that the scheduler did not accept because it does
+    not answer counts for as long as its restart may take.
     """
 
-    def __init__(self, provider: Slurm) -> None:
+    def __init__(self, provider: Followed) -> None:
         self._provider = provider
         self._ended: dict[str, float] = {}
 
