@@ -11,7 +11,7 @@ import base64
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +47,7 @@ _BESIDE, _ABOVE, _BELOW = 1.12, 1.2, 0.15
 _BARS = [factor * 10.0**power for power in range(-5, 2) for factor in (1, 2, 5)]
 _LONGEST_BAR = 0.25
 #: Heaps whose sizes differ by less, relative, are drawn over each other at one scale.
-_ALIKE = 0.05
+_ALIKE = 0.1
 
 Array = NDArray[np.float64]
 
@@ -271,12 +271,13 @@ def _comparison(
     chosen = min(photographed, key=lambda one: abs(one[1].angle - mean))
     simulated = _simulated(reading, runs)
     has_profile = any(one.response.rpartition(".")[2] == "profile" for one in targets)
-    drawn = _Drawn(kept, simulated.outline, keeps_size=has_profile)
+    drawn = _Drawn(kept, simulated.outline)
+    ratio = float(np.mean([drawn.relative_size(one) for _, one in photographed]))
+    drawn = replace(drawn, is_scaled=not has_profile and abs(ratio - 1) >= _ALIKE)
     shown = [chosen, *(one for one in photographed if one is not chosen)][:_MOST_PICTURES]
     shown.sort(key=lambda one: (one[0], one[1].file))
     pictures = [drawn.compared(heap, picture) for heap, picture in shown]
     main = drawn.beside(*chosen)
-    ratio = drawn.relative_size(chosen[1])
     return Comparison(
         title=plain(test),
         results=list(dict.fromkeys(_result(one.result) for one in targets)),
@@ -289,7 +290,7 @@ def _comparison(
         silhouette=simulated.silhouette,
         outline="" if simulated.outline is None else simulated.outline.path(main.frame.unit),
         has_scale=chosen[1].scale is not None,
-        is_scaled=any(drawn.is_scaled(one) for _, one in shown),
+        is_scaled=drawn.is_scaled,
         relative_size="" if abs(ratio - 1) < _ALIKE else number(ratio, 2),
         refused=list(_refused(one.refused for one in targets)),
         folder=kept.folder,
@@ -360,14 +361,14 @@ class _Drawn:
 
     kept: KeptPictures
     simulated: Outline | None
-    #: Whether the size of the heap is a target: outlines are never enlarged then.
-    keeps_size: bool
+    #: Whether the simulated outline is scaled to the area of that of a picture that it is over.
+    is_scaled: bool = False
 
     def compared(self, heap: int, picture: KeptPicture) -> ComparedPicture:
         """Return a picture with the simulated outline over it."""
         photographed, pixel = self._photographed(picture)
         over = self.simulated
-        if over is not None and self.is_scaled(picture):
+        if over is not None and self.is_scaled:
             over = over.times(math.sqrt(photographed.area / over.area))
         outlines = [photographed] if over is None else [photographed, over]
         frame = Frame.around(outlines, has_scale=picture.scale is not None)
@@ -382,10 +383,6 @@ class _Drawn:
         outlines = [photographed] if self.simulated is None else [photographed, self.simulated]
         frame = Frame.around(outlines, has_scale=picture.scale is not None)
         return self._picture(heap, picture, frame, pixel, photographed, self.simulated, "")
-
-    def is_scaled(self, picture: KeptPicture) -> bool:
-        """Return whether the simulated outline is enlarged over a picture."""
-        return not self.keeps_size and abs(self.relative_size(picture) - 1) >= _ALIKE
 
     def relative_size(self, picture: KeptPicture) -> float:
         """Return how many times as wide the simulated heap is, by the areas of both."""
