@@ -44,7 +44,8 @@ def test_a_true_value_at_any_distance_from_a_bound_is_held(error: float, distanc
 
 
 @pytest.mark.parametrize(
-    ("on_bounds", "least", "most"), [(0, 0.93, 0.98), (1, 0.9, 1), (2, 0.9, 1)]
+    ("on_bounds", "least", "most"),
+    [(0, 0.93, 0.98), pytest.param(1, 0.9, 1, marks=pytest.mark.thorough), (2, 0.9, 1)],
 )
 def test_parameters_of_linear_and_curved_responses_are_held(
     on_bounds: int, least: float, most: float

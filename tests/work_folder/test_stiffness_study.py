@@ -246,7 +246,7 @@ def test_the_answer_of_a_model_of_the_user_needs_its_file(sand: Path) -> None:
 
 @pytest.mark.slow
 def test_the_answer_of_a_calibration_is_simulated_with_stiffer_beads(tmp_path: Path) -> None:
-    packing = gf.tests.Packing(diameter="10 mm", cylinder_radius="35 mm")
+    packing = gf.tests.Packing(diameter="10 mm", cylinder_radius="35 mm", fill_height="80 mm")
     material = {name: value for name, value in GLASS_BEADS.items() if name != "particle.density"}
     problem = gf.Problem(
         [gf.Parameter("particle.density", 2000, 2600, unit="kg/m^3")],
