@@ -75,7 +75,8 @@ def make_runs(address: str, made: Path, seeds: Sequence[int], number: int) -> No
     ("backend", "processes", "runs"),
     [
         pytest.param("sqlite", 4, 100, id="sqlite"),
-        pytest.param("postgresql", 8, 2000, id="postgresql", marks=pytest.mark.slow),
+        pytest.param("postgresql", 8, 400, id="postgresql"),
+        pytest.param("postgresql", 8, 2000, id="many", marks=pytest.mark.thorough),
     ],
 )
 def test_of_all_processes_one_makes_a_run_and_all_get_it(
