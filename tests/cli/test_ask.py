@@ -46,8 +46,9 @@ def test_an_end_of_the_answers_keeps_them_and_it_goes_on_there(tmp_path: Path) -
     assert code == 0, output
     assert "Which material" not in output
     assert "packing has no measured value yet" in output
-    _, code = ask(tmp_path, "", "--sheet", str(tmp_path / "sheet.txt"))
-    assert "packing: poured container" in (tmp_path / "sheet.txt").read_text()
+    _, code = ask(tmp_path, "", "--sheet", str(tmp_path / "sheet.pdf"))
+    assert code == 0
+    assert (tmp_path / "sheet.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_a_wrong_answer_is_explained_and_asked_again(tmp_path: Path) -> None:

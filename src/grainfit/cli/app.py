@@ -31,6 +31,7 @@ from grainfit.cli.commands.run import run
 from grainfit.cli.commands.runs import runs_app
 from grainfit.cli.commands.simulate import simulate
 from grainfit.cli.commands.size import size
+from grainfit.cli.commands.start import start
 from grainfit.cli.commands.status import status
 from grainfit.cli.commands.stiffness import stiffness
 from grainfit.cli.commands.watch import watch
@@ -48,7 +49,8 @@ app = CommandLine(
     parameter; grainfit runs the simulated tests, finds the parameters that
     reproduce the measurements, and verifies them.
 
-    First steps:  grainfit ask my_material.toml  (or grainfit new, and an editor)  →
+    First steps:  grainfit start  (in the browser; grainfit ask in the terminal), or
+    grainfit new my_material.toml  →  edit it  →
     grainfit check my_material.toml  →  grainfit run my_material.toml
     """,
 )
@@ -59,6 +61,7 @@ for _command in (
     atlas,
     preview,
     ask,
+    start,
     new,
     apparatus,
     materials,

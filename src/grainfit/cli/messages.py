@@ -53,9 +53,9 @@ NO_PICTURES = Message("is not given.", "Give pictures, or --marker FILE.pdf for 
 # The interview.
 ANSWERS_KEPT = Message("The answers are kept in {file}. Go on with: grainfit ask {file}")
 LEFT = Message(
-    "The answers are in {file}. A sheet for the laboratory: grainfit ask {file} --sheet FILE.txt"
+    "The answers are in {file}. A sheet for the laboratory: grainfit ask {file} --sheet FILE.pdf"
 )
 READY = Message("The calibration is in {file}. Start it: grainfit run {file} --watch")
 NO_ESTIMATE = Message("No estimate yet: {why}.")
-NO_SHEET = Message("has no test yet.", "Choose tests first: grainfit ask FILE.")
 SHEET_WRITTEN = Message("Wrote {file}. Print it, and take it to the laboratory.")
+GOES_ON = Message("The calibration goes on. Follow it: grainfit watch {folder}")

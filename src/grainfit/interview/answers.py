@@ -37,8 +37,8 @@ from grainfit.options.kinds import Choice, Flag
 MATERIAL, MOISTURE, AT_HAND, ASKED = "material", "moisture of the sample", "at hand", "asked"
 SPHERE = "sphere"
 _HEAD = """\
-# Calibration file of grainfit, written by its interview. 'grainfit ask FILE' goes on with it,
-# and an editor does as well.
+# Calibration file of grainfit, written by its interview. 'grainfit ask FILE' in a terminal and
+# 'grainfit start FILE' in the browser go on with it, and an editor does as well.
 """
 #: Largest surface energy of a search where the class says none, and aspect ratio to begin with.
 _COHESION, _ASPECT_RATIO = "0.05 J/m^2", 1.5

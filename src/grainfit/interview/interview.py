@@ -19,7 +19,6 @@ from grainfit.interview import answers, messages
 from grainfit.interview.equipment import way_of, ways
 from grainfit.interview.file_text import note, with_note, with_test, with_value, without_test
 from grainfit.interview.questions import Question, questions_of
-from grainfit.interview.record_sheet import record_sheet
 from grainfit.materials.starting_materials import near_materials, read_starting_material
 from grainfit.one_line import OneLine
 
@@ -258,13 +257,24 @@ class Interview(OneLine):
         types = {test["type"] for _, test in answers.named_tests(text)}
         return design(planned, wanted=wanted, tests=sorted(types))
 
-    def record_sheet(self) -> str:
-        """Return instructions for the chosen tests, with blank lines for what is measured."""
+    def record_sheet(self) -> bytes:
+        """Return a PDF file with instructions for the chosen tests, and blanks to fill in.
+
+        Raises
+        ------
+        InputError
+            No test is chosen.
+        """
+        # Imported here: it takes a third of a second.
+        from grainfit.interview.record_sheet import record_sheet
+
         found = []
         for name, test in answers.named_tests(self.text):
             way = way_of(str(test.get("type")), str(test.get("apparatus", "")), name)
             if way is not None:
                 found.append((way, test))
+        if not found:
+            raise InputError(messages.NO_SHEET.fault("tests"))
         return record_sheet(self._title, note(self.text, answers.MOISTURE), found)
 
 

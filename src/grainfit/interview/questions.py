@@ -31,6 +31,10 @@ from grainfit.options.tables import Key
 from grainfit.problem import Target
 from grainfit.units import example_with
 
+_REPEATS = (
+    "Repeats with their unit, and after ± what is wrong in all of them alike: "
+    '"31; 32.5; 30 deg ± 0.5 deg". Of one value, ± is its uncertainty.'
+)
 _DESCRIBED = {"no": "it falls apart", "yes": "it clings: fine or damp"}
 
 
@@ -58,6 +62,8 @@ class Question:
         In words, what holds without an answer.
     implies : str
         What the answer means: mean and uncertainty of repeats.
+    entry : str
+        How to type the answer, where several questions have it alike.
     is_asked : bool
         Whether it was answered, or passed over.
     """
@@ -71,6 +77,7 @@ class Question:
     several: bool = False
     usual: str = ""
     implies: str = ""
+    entry: str = ""
     is_asked: bool = False
 
 
@@ -200,12 +207,12 @@ def _of_test(name: str, test: Mapping[str, Any]) -> Iterator[Question]:
         yield Question(
             f"{name}.targets.{response}",
             f"{info.words.partition(':')[0]}, measured{_such_as(info.unit)}:",
-            f"{info.words}. Repeats with their unit, and after ± what is wrong in all of them "
-            'alike: "31; 32.5; 30 deg ± 0.5 deg". Of one value, ± is its uncertainty.',
+            f"{info.words}.",
             name,
             typed(target),
             usual="not measured",
             implies=implied(response, test["type"], target),
+            entry=_REPEATS,
         )
 
 

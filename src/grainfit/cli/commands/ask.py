@@ -40,7 +40,7 @@ _Again = Annotated[
 _Sheet = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE.txt",
+        metavar="FILE.pdf",
         help="Write instructions and a blank record sheet for the chosen tests, and ask nothing.",
         show_default=False,
     ),
@@ -153,7 +153,7 @@ class _Conversation:
             err=True,
         ).strip()
         if given == _HELP:
-            err.print(Text(plain(question.help)))
+            err.print(Text(plain(f"{question.help} {question.entry}")))
         elif given == _BACK:
             self._repeated = self._done.pop() if self._done else question.key
         elif given == _COMPARE and question.key == "tests":
@@ -230,10 +230,9 @@ def _is_ready(interview: Interview, file: Path) -> bool:
 
 
 def _write_sheet(interview: Interview, sheet: Path) -> None:
-    if interview.left and not any(q.key == "tests" and q.answer for q in interview.questions()):
-        raise InputError(messages.NO_SHEET.fault("FILE"))
+    content = interview.record_sheet()
     try:
-        sheet.write_text(interview.record_sheet(), encoding="utf-8")
+        sheet.write_bytes(content)
     except OSError as error:
         fault = messages.CANNOT_BE_WRITTEN.fault("", file=str(sheet), reason=error.strerror)
         raise InputError(fault) from None

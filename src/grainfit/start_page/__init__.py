@@ -1,0 +1,1 @@
+"""The page that leads from a material to a running calibration."""

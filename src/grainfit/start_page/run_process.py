@@ -1,0 +1,51 @@
+"""The calibration that the page starts: ``grainfit run FILE`` in a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+#: Last part of what the process said that is shown, bytes.
+_TAIL = 4000
+
+
+class RunProcess:
+    """A calibration that goes on when the page ends.
+
+    Parameters
+    ----------
+    file : Path
+        The calibration file.
+
+    Raises
+    ------
+    OSError
+        No process can be started.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115  # as long as the page
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "grainfit", "run", str(file)],
+            stdin=subprocess.DEVNULL,
+            stdout=self._said,
+            stderr=subprocess.STDOUT,
+            # Ctrl-C ends the page, not the calibration.
+            start_new_session=True,
+        )
+
+    @property
+    def code(self) -> int | None:
+        """Exit code; None while it runs."""
+        return self._process.poll()
+
+    def tail(self) -> str:
+        """Return the end of what it printed."""
+        size = self._said.seek(0, 2)
+        self._said.seek(max(size - _TAIL, 0))
+        text = self._said.read().decode("utf-8", "replace")
+        # The process shares the place in the file, and writes at its end.
+        self._said.seek(0, 2)
+        return text.strip()

@@ -1,0 +1,379 @@
+// Questions of the interview; every answer is checked and kept by the server. Texts are set as text.
+(() => {
+  "use strict";
+
+  const at = (id) => document.getElementById(id);
+  const start = JSON.parse(at("start").textContent);
+  let state = start.state;
+  const element = (tag, properties = {}, ...children) => {
+    const made = Object.assign(document.createElement(tag), properties);
+    made.append(...children);
+    return made;
+  };
+  const ask = async (what, body = {}) => {
+    const answer = await fetch(what, { method: "POST", body: JSON.stringify(body) });
+    return answer.ok ? answer.json() : { refused: (await answer.text()).trim() };
+  };
+  const idOf = (key) => `q-${key.replace(/[^\w-]/g, "-")}`;
+  const isMeasured = (question) => question.key.includes(".targets.");
+
+  // --- What is typed and not kept yet: a reload brings it back ------------------------------------
+
+  const DRAFTS = "grainfit-drafts";
+  const drafts = (() => {
+    try {
+      const kept = JSON.parse(sessionStorage.getItem(DRAFTS) || "{}");
+      return kept.file === state.file ? kept.values : {};
+    } catch {
+      return {};
+    }
+  })();
+  const keepDrafts = () => {
+    sessionStorage.setItem(DRAFTS, JSON.stringify({ file: state.file, values: drafts }));
+  };
+
+  // --- Questions ----------------------------------------------------------------------------------
+
+  const GROUPS = { material: "Material", laboratory: "Laboratory" };
+  const say = (key, kind, text) => {
+    const [field, line] = [at(idOf(key)), at(`${idOf(key)}-said`)];
+    if (!line) {
+      return;
+    }
+    line.className = kind;
+    line.textContent = text;
+    if (field && field.tagName === "INPUT") {
+      field.setAttribute("aria-invalid", String(kind === "refused"));
+    }
+  };
+  const keep = async (key, given) => {
+    at("saved").textContent = "Checking …";
+    const found = await ask("answer", { key, given });
+    if (found.refused) {
+      at("saved").textContent = "Not kept";
+      say(key, "refused", found.refused);
+      return;
+    }
+    delete drafts[key];
+    keepDrafts();
+    at("saved").textContent = "Kept in the file";
+    show(found);
+    refresh();
+  };
+  let trying = 0;
+  const tryOut = (key, given) => {
+    drafts[key] = given;
+    keepDrafts();
+    clearTimeout(trying);
+    trying = setTimeout(async () => {
+      const found = await ask("try", { key, given });
+      if (drafts[key] !== given) {
+        return;
+      }
+      say(key, found.refused ? "refused" : "implies", found.refused || found.implies);
+      if (!found.refused && key.includes(".targets.")) {
+        estimate({ key, given });
+      }
+    }, 350);
+  };
+
+  const textField = (question) => {
+    const id = idOf(question.key);
+    const field = element("input", {
+      id, type: "text", autocomplete: "off", spellcheck: false,
+      value: drafts[question.key] ?? question.answer,
+      placeholder: question.usual && !isMeasured(question)
+        ? `usual: ${question.usual}` : question.usual,
+    });
+    if (question.key === "material") {
+      field.setAttribute("list", "materials");
+    }
+    field.setAttribute("aria-describedby", `${id}-help ${id}-said`);
+    field.addEventListener("input", () => tryOut(question.key, field.value));
+    field.addEventListener("change", () => {
+      clearTimeout(trying);
+      keep(question.key, field.value);
+    });
+    return field;
+  };
+  const selection = (question) => {
+    const field = element("select", { id: idOf(question.key) });
+    field.setAttribute("aria-describedby", `${field.id}-help ${field.id}-said`);
+    if (!question.answer) {
+      field.append(element("option", { value: "", textContent: question.usual || "–" }));
+    }
+    if (question.answer && !(question.answer in question.options)) {
+      field.append(element("option", { value: question.answer, textContent: question.answer }));
+    }
+    Object.entries(question.options).forEach(([value, words]) => {
+      field.append(element("option", { value, textContent: words ? `${value}: ${words}` : value }));
+    });
+    field.value = question.answer;
+    field.addEventListener("change", () => keep(question.key, field.value));
+    return field;
+  };
+  const choices = (question) => {
+    const chosen = new Set(question.answer.split(",").map((name) => name.trim()));
+    const box = element("div", {});
+    const things = element("div", { className: "choices" });
+    const instruments = element("div", { className: "choices" });
+    const named = start.instruments.filter((name) => question.key === "at_hand"
+      && name in question.options);
+    box.append(things);
+    if (named.length) {
+      box.append(element("details", { open: named.some((name) => chosen.has(name)) },
+        element("summary", { textContent: "Instruments by name" }), instruments));
+    }
+    Object.entries(question.options).forEach(([value, words]) => {
+      const id = `${idOf(question.key)}-${value}`;
+      const tick = element("input", { type: "checkbox", id, value, checked: chosen.has(value) });
+      tick.addEventListener("change", () => {
+        const ticked = [...box.querySelectorAll("input:checked")].map((one) => one.value);
+        keep(question.key, ticked.join(", "));
+      });
+      const shown = question.key === "tests" ? `${value}: ${words}` : words;
+      (named.includes(value) ? instruments : things).append(
+        element("label", { htmlFor: id }, tick, element("span", { textContent: shown })));
+    });
+    return box;
+  };
+  const drawn = (question) => {
+    const id = idOf(question.key);
+    const said = element("p", { id: `${id}-said`, className: "implies", textContent: question.implies });
+    said.setAttribute("aria-live", "polite");
+    const help = element("p", { id: `${id}-help`, className: "help", textContent: question.help });
+    const title = question.text;
+    if (question.several) {
+      const box = element("fieldset", { className: "question" },
+        element("legend", { textContent: title }), help, choices(question), said);
+      if (question.key === "tests") {
+        const result = element("div", { id: "comparison", className: "wide" });
+        const button = element("button", {
+          type: "button", id: "compare", textContent: "Compare these tests by the atlas",
+        });
+        button.addEventListener("click", () => compare(button, result));
+        box.append(button, result);
+      }
+      return box;
+    }
+    const field = Object.keys(question.options).length ? selection(question) : textField(question);
+    const label = element("label", { htmlFor: id, textContent: title });
+    return element("div", { className: "question" }, label, help, field, said);
+  };
+
+  const rebuild = () => {
+    const focused = document.activeElement && document.activeElement.id;
+    const sections = new Map();
+    (state.questions || []).forEach((question) => {
+      if (!sections.has(question.group)) {
+        const title = GROUPS[question.group] || `Test: ${question.group}`;
+        const id = `group-${idOf(question.group)}`;
+        const section = element("section", { className: "section" },
+          element("h2", { id, textContent: title }));
+        section.setAttribute("aria-labelledby", id);
+        sections.set(question.group, section);
+      }
+      const section = sections.get(question.group);
+      if (question.entry && !section.querySelector(".entry")) {
+        section.append(element("p", { className: "entry help", textContent: question.entry }));
+      }
+      section.append(drawn(question));
+      if (question.key === "material" && state.remark) {
+        section.append(element("p", { className: "note", textContent: state.remark }));
+      }
+    });
+    at("questions").replaceChildren(...sections.values());
+    const again = focused && at(focused);
+    if (again) {
+      again.focus();
+    }
+    Object.entries(drafts).forEach(([key, given]) => tryOut(key, given));
+  };
+
+  // --- What follows from them ---------------------------------------------------------------------
+
+  const parts = (found) => found.map((part) => {
+    if (typeof part === "string") {
+      return element("p", { textContent: part });
+    }
+    const row = (cells, tag) => element("tr", {}, ...cells.map((cell) => {
+      const made = element(tag, { textContent: cell });
+      if (tag === "th") {
+        made.scope = "col";
+      }
+      return made;
+    }));
+    const table = element("table", {}, element("thead", {}, row(part.header, "th")),
+      element("tbody", {}, ...part.rows.map((cells) => row(cells, "td"))));
+    const box = element("div", { className: "wide", tabIndex: 0 }, table);
+    box.setAttribute("role", "region");
+    box.setAttribute("aria-label", part.header.filter(Boolean).join(", "));
+    return element("div", {}, box, element("p", { className: "quiet", textContent: part.caption }));
+  });
+  const hasValues = () => (state.questions || []).some((one) => isMeasured(one) && one.answer);
+
+  let asking = false;
+  let newest = null;
+  const estimate = async (typed = {}) => {
+    newest = typed;
+    if (asking) {
+      return;
+    }
+    asking = true;
+    at("estimate-box").hidden = false;
+    while (newest) {
+      const current = newest;
+      newest = null;
+      at("estimate-state").textContent = "Asking the atlas …";
+      const found = await ask("estimate", current);
+      if (newest) {
+        continue;
+      }
+      at("estimate-state").textContent = "";
+      at("estimate").replaceChildren(...(found.refused
+        ? [element("p", { className: "quiet", textContent: `None yet: ${found.refused}` })]
+        : parts(found.parts)));
+    }
+    asking = false;
+  };
+  const compare = async (button, result) => {
+    button.disabled = true;
+    result.replaceChildren(element("p", { className: "quiet", textContent: "Asking the atlas …" }));
+    const found = await ask("compare");
+    result.replaceChildren(...(found.refused
+      ? [element("p", { className: "refused", textContent: found.refused })]
+      : parts(found.parts)));
+    button.disabled = false;
+  };
+  const list = (title, lines) => (lines.length
+    ? [element("h3", { textContent: title }),
+      element("ul", {}, ...lines.map((line) => element("li", { textContent: line.trim() })))]
+    : []);
+  let planned = 0;
+  const plan = async () => {
+    planned += 1;
+    const mine = planned;
+    at("run").hidden = true;
+    if (!state.questions || state.left.length) {
+      at("plan").replaceChildren();
+      at("plan-state").textContent = "";
+      return;
+    }
+    at("plan-state").textContent = "Working out cost and forecast …";
+    const found = await ask("plan");
+    if (mine !== planned) {
+      return;
+    }
+    at("plan-state").textContent = "";
+    if (found.refused) {
+      at("plan").replaceChildren(element("p", { className: "note", textContent: found.refused }));
+      return;
+    }
+    const main = found.lines.filter((line) => /^(DEM runs|Time):/.test(line));
+    const rest = found.lines.filter((line) => !main.includes(line));
+    at("plan").replaceChildren(
+      ...main.map((line) => element("p", {}, element("strong", { textContent: line }))),
+      ...list("In the way", found.problems),
+      ...list("Notes", found.notes),
+      element("details", {}, element("summary", { textContent: "All that is planned" }),
+        ...list("Plan", rest)),
+      ...list("A start executes, with your rights", found.executes));
+    at("run").hidden = found.problems.length > 0 || isRunning();
+  };
+  const isRunning = () => Boolean(state.run && state.run.started && state.run.code === null);
+  const refresh = () => {
+    if (hasValues()) {
+      estimate();
+    }
+    plan();
+  };
+
+  // --- The calibration ----------------------------------------------------------------------------
+
+  const follow = () => {
+    const run = state.run || {};
+    const shown = [];
+    if (run.watch) {
+      const words = isRunning() ? "It runs. Follow it" : `Open the calibration in ${run.folder}`;
+      shown.push(element("p", {}, element("a", {
+        href: run.watch, id: "watch", target: "_blank", rel: "noopener", textContent: words,
+      })));
+    }
+    if (run.started && run.code !== null) {
+      shown.push(element("p", { textContent: run.code === 0
+        ? "It has ended: calibrated. Its page leads to the report."
+        : `It has ended (exit code ${run.code}).` }));
+      const pre = element("pre", { textContent: run.said, tabIndex: 0 });
+      pre.setAttribute("role", "region");
+      pre.setAttribute("aria-label", "End of its output");
+      shown.push(pre);
+    }
+    const text = shown.map((one) => one.textContent).join("\n");
+    if (at("followed").textContent !== shown.map((one) => one.textContent).join("") || !text) {
+      at("followed").replaceChildren(...shown);
+    }
+  };
+  const LOOK = 1000;
+  const look = async () => {
+    try {
+      const found = await (await fetch("state")).json();
+      const was = isRunning();
+      state.run = found.run;
+      follow();
+      if (was && !isRunning()) {
+        plan();
+      }
+    } catch {
+      at("saved").textContent = "The page has ended: start it again";
+    }
+    if (isRunning()) {
+      setTimeout(look, LOOK);
+    }
+  };
+  at("run").addEventListener("click", async () => {
+    at("run").hidden = true;
+    at("plan-state").textContent = "Starting …";
+    const found = await ask("run");
+    at("plan-state").textContent = found.refused || "";
+    if (found.refused) {
+      return;
+    }
+    show(found);
+    at("watch").focus();
+    setTimeout(look, LOOK);
+  });
+
+  // --- All of it ----------------------------------------------------------------------------------
+
+  const show = (found) => {
+    const shape = (of) => JSON.stringify([of.remark, (of.questions || [])
+      .map((one) => [one.key, one.options, one.answer])]);
+    const isOther = shape(found) !== shape(state) || !at("questions").children.length;
+    state = found;
+    at("fault").hidden = !state.fault;
+    at("fault").textContent = state.fault
+      ? `${state.fault} Mend it in an editor, then reload this page.` : "";
+    const [material] = state.questions || [];
+    const name = material && material.answer;
+    at("title").textContent = name || "New calibration";
+    document.title = `${name || "New calibration"} – grainfit`;
+    at("file-name").textContent = state.file;
+    at("file-text").textContent = state.text || "";
+    at("file-details").hidden = !state.text;
+    at("left").textContent = (state.left || []).join(" ");
+    at("sheet-line").hidden = !(state.questions || [])
+      .some((one) => one.key === "tests" && one.answer);
+    if (isOther) {
+      rebuild();
+    }
+    follow();
+  };
+  start.materials.forEach(({ name, title }) => {
+    at("materials").append(element("option", { value: name, textContent: title }));
+  });
+  show(state);
+  refresh();
+  if (isRunning()) {
+    setTimeout(look, LOOK);
+  }
+})();

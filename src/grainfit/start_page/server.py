@@ -1,0 +1,253 @@
+"""Serve the page of a calibration file; all that it says is asked of the interview."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from functools import partial
+from http import HTTPStatus
+from pathlib import Path
+from typing import Any, ClassVar
+
+from typing_extensions import override
+
+from grainfit.bulk_tests.instrument import instrument_names
+from grainfit.campaign.store.store import STORE_NAME
+from grainfit.campaign.work_folder import default_workdir
+from grainfit.errors import Fault, GrainfitError, InputError
+from grainfit.interview.interview import Interview
+from grainfit.local_pages.server import JSON, LocalHandler, LocalServer, listen
+from grainfit.materials.starting_materials import read_starting_material, starting_material_names
+from grainfit.report.rendering import script_json
+from grainfit.start_page import messages
+from grainfit.start_page.page import start_page
+from grainfit.start_page.run_process import RunProcess
+from grainfit.tables import TextTable
+from grainfit.watch.server import WatchServer
+
+State = dict[str, Any]
+
+
+class StartServer(LocalServer):
+    """Server of the page of one calibration file.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it need not be there yet.
+    listening : socket
+        From `listen`.
+    solver : str
+        DEM program of tests that are added.
+    """
+
+    def __init__(self, path: Path, listening: socket.socket, solver: str = "lammps") -> None:
+        super().__init__(_Handler, listening)
+        self.path = path
+        self._solver = solver
+        self._editing, self._asking = threading.Lock(), threading.Lock()
+        self._run: RunProcess | None = None
+        self._watch: WatchServer | None = None
+
+    def state(self) -> State:
+        """Return questions and answers, the file, and the calibration."""
+        try:
+            interview = self._interview()
+        except InputError as error:
+            return {"file": str(self.path), "fault": str(error)}
+        return {
+            "file": str(self.path),
+            "text": interview.text,
+            "questions": [asdict(one) for one in interview.questions()],
+            "remark": interview.remark,
+            "left": list(interview.left),
+            "run": self._run_state(),
+        }
+
+    def answer(self, key: str, given: str) -> State:
+        """Keep an answer in the file, and return the state then.
+
+        Raises
+        ------
+        InputError, OSError
+            It is impossible, or the file cannot be written.
+        """
+        with self._editing:
+            # Read again each time: an editor may have changed the file.
+            self._interview().answered(key, given).save()
+        return self.state()
+
+    def tried(self, key: str, given: str) -> State:
+        """Return what an answer would mean; the file stays as it is.
+
+        Raises
+        ------
+        InputError
+            It is impossible.
+        """
+        changed = self._interview().answered(key, given)
+        found = {one.key: one.implies for one in changed.questions()}
+        return {"implies": found.get(key, "")}
+
+    def estimate(self, key: str, given: str) -> State:
+        """Return the estimate by the atlas, with an answer that is still being typed.
+
+        Raises
+        ------
+        InputError
+            There is none; the reason is named.
+        """
+        interview = self._interview()
+        if key:
+            interview = interview.answered(key, given)
+        return {"parts": _parts(interview.estimate().summary())}
+
+    def plan(self) -> State:
+        """Return cost and forecast, and what a start executes.
+
+        Raises
+        ------
+        InputError
+            The file has faults.
+        """
+        plan = self._interview().plan()
+        return {
+            "lines": list(plan.lines),
+            "notes": list(plan.notes),
+            "executes": list(plan.executes),
+            "problems": list(plan.problems),
+        }
+
+    def compare(self) -> State:
+        """Return which of the tests that can be measured would settle the parameters.
+
+        Raises
+        ------
+        InputError
+            None can be compared.
+        """
+        return {"parts": _parts(self._interview().measurement_plan().summary())}
+
+    def start_run(self) -> State:
+        """Start the calibration, unless it runs.
+
+        Raises
+        ------
+        InputError
+            Something is left to do, or it runs already.
+        """
+        with self._editing:
+            if self._run is not None and self._run.code is None:
+                raise InputError(messages.RUNS_ALREADY.fault(""))
+            interview = self._interview()
+            if interview.left:
+                raise InputError([Fault("", words) for words in interview.left])
+            problems = interview.plan().problems
+            if problems:
+                raise InputError([Fault("", words) for words in problems])
+            self._run = RunProcess(self.path)
+        return self.state()
+
+    def one_at_a_time(self, ask: Callable[[], State]) -> State:
+        """Return what takes seconds, once the one before has ended."""
+        with self._asking:
+            return ask()
+
+    @property
+    def work_folder(self) -> Path:
+        """Work folder of the calibration, that of ``grainfit run``."""
+        return default_workdir(self.path)
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a calibration that was started here runs."""
+        return self._run is not None and self._run.code is None
+
+    def page_start(self) -> State:
+        """Return what the page begins with."""
+        known = map(read_starting_material, starting_material_names())
+        materials = [{"name": one.name, "title": one.title} for one in known]
+        instruments = list(instrument_names())
+        return {"state": self.state(), "materials": materials, "instruments": instruments}
+
+    def _interview(self) -> Interview:
+        return Interview.open(self.path, self._solver)
+
+    def _run_state(self) -> State:
+        folder = self.work_folder
+        if self._watch is None and (self._run is not None or (folder / STORE_NAME).exists()):
+            self._watch = WatchServer(folder, listen(0))
+            self._watch.serve()
+        return {
+            "watch": self._watch.address if self._watch else "",
+            "folder": str(folder),
+            "started": self._run is not None,
+            "code": self._run.code if self._run else None,
+            "said": self._run.tail() if self._run and self._run.code is not None else "",
+        }
+
+
+def _parts(parts: Sequence[str | TextTable]) -> list[Any]:
+    return [asdict(part) if isinstance(part, TextTable) else part for part in parts]
+
+
+class _Handler(LocalHandler):
+    server: StartServer
+    posts: ClassVar[tuple[str, ...]] = ("answer", "try", "estimate", "plan", "compare", "run")
+
+    @override
+    def answer(self, rest: str) -> None:
+        if not rest:
+            self.send_page(partial(start_page, self.server.page_start()), "data:")
+        elif rest == "state":
+            self.send(HTTPStatus.OK, JSON, script_json(self.server.state()))
+        elif rest == "sheet":
+            self._send_sheet()
+        else:
+            self.refuse_page()
+
+    @override
+    def change(self, rest: str) -> None:
+        body = self.body()
+        if body is None:
+            return
+        try:
+            given = json.loads(body or b"{}")
+            key, text = given.get("key", ""), given.get("given", "")
+            if not (isinstance(key, str) and isinstance(text, str)):
+                raise ValueError("key and given are texts")
+        except (ValueError, AttributeError, RecursionError) as error:
+            self.refuse(HTTPStatus.BAD_REQUEST, str(error))
+            return
+        server = self.server
+        asked: dict[str, Callable[[], State]] = {
+            "answer": partial(server.answer, key, text),
+            "try": partial(server.tried, key, text),
+            "estimate": partial(server.one_at_a_time, partial(server.estimate, key, text)),
+            "plan": partial(server.one_at_a_time, server.plan),
+            "compare": partial(server.one_at_a_time, server.compare),
+            "run": server.start_run,
+        }
+        try:
+            found = asked[rest]()
+        except (GrainfitError, OSError) as error:
+            found = {"refused": _words(error)}
+        self.send(HTTPStatus.OK, JSON, script_json(found))
+
+    def _send_sheet(self) -> None:
+        try:
+            sheet = Interview.open(self.server.path).record_sheet()
+        except InputError as error:
+            self.refuse(HTTPStatus.CONFLICT, str(error))
+            return
+        self.send(HTTPStatus.OK, "application/pdf", sheet)
+
+
+def _words(error: Exception) -> str:
+    """Return an error for the field at which it stands, which needs no key."""
+    if isinstance(error, InputError):
+        return " ".join(f"{fault.message} {fault.remedy}".strip() for fault in error.faults)
+    return str(error)

@@ -1,0 +1,166 @@
+"""The page from nothing to a running calibration, in a browser and over its port."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+import needs
+from benchmarks import chromium
+from benchmarks.axe import LAPTOP, PHONE, violations
+from grainfit.interview.interview import Interview
+from grainfit.local_pages.server import listen
+from grainfit.start_page import messages
+from grainfit.start_page.server import StartServer
+
+# Chromium, the atlas and simulations share a few cores.
+expect.set_options(timeout=60_000)
+MODEL = """
+import time
+
+def drum(parameters, seed):
+    time.sleep(0.05)
+    return {"angle": 20 + 40 * parameters["friction"] + (seed % 7) / 50}
+"""
+OWN = """
+name = "sand"
+[parameters]
+friction = { min = 0.1, max = 0.9 }
+[[test]]
+type = "python"
+function = "model.py:drum"
+targets.angle = { value = 36, uncertainty = 0.4 }
+"""
+
+
+@pytest.fixture
+def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[StartServer]:
+    monkeypatch.chdir(tmp_path)
+    started = StartServer(Path("pellets.toml"), listen(0))
+    started.serve()
+    yield started
+    started.shutdown()
+    started.server_close()
+
+
+def fill(page: Page, label: str, given: str) -> None:
+    field = page.get_by_label(label)
+    field.fill(given)
+    field.press("Tab")
+    expect(page.locator("#saved")).to_have_text("Kept in the file")
+
+
+@needs.CHROMIUM
+def test_from_nothing_to_an_estimate_and_a_plan(server: StartServer) -> None:
+    with chromium.browser() as browser:
+        faults: list[str] = []
+        page = browser.new_page(viewport=LAPTOP)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        page.goto(server.address)
+        fill(page, "Which material", "wood pellets")
+        expect(page.locator("#questions")).to_contain_text("usual ranges of pellets")
+        page.get_by_label("How large").fill("6")
+        expect(page.locator("#questions")).to_contain_text("6 has no unit")
+        # What is wrong is not in the file, and is there again after a reload.
+        page.reload()
+        expect(page.get_by_label("How large")).to_have_value("6")
+        expect(page.locator("#questions")).to_contain_text("6 has no unit")
+        fill(page, "How large", "6 mm")
+        for name in ("tube or pipe", "phone or camera"):
+            page.get_by_label(name).check()
+            expect(page.locator("#saved")).to_have_text("Kept in the file")
+        page.get_by_label("heap: lifted cylinder").check()
+        angle = page.get_by_label("Angle of repose, measured")
+        angle.fill("31; 33; 32 deg ± 0.5 deg")
+        expect(page.locator("#questions")).to_contain_text("Mean 32° of 3 repeats")
+        assert "31 deg" not in Interview.open(server.path).text
+        expect(page.locator("#estimate")).to_contain_text("sliding_friction")
+        angle.press("Tab")
+        expect(page.locator("#plan")).to_contain_text("DEM runs")
+        expect(page.locator("#file-text")).to_contain_text('measurements = ["31 deg"')
+        assert violations(page) == []
+        page.set_viewport_size(PHONE)
+        page.emulate_media(color_scheme="dark")
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        assert violations(page) == []
+        assert faults == []
+
+
+@needs.CHROMIUM
+def test_a_start_runs_and_leads_to_the_page_that_follows_it(server: StartServer) -> None:
+    server.path.write_text(OWN)
+    Path("model.py").write_text(MODEL)
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport=LAPTOP)
+        page.goto(server.address)
+        page.get_by_role("button", name="Start the calibration").click()
+        with page.expect_popup() as followed:
+            page.locator("#watch").click()
+        expect(followed.value.locator("#name")).to_have_text("sand")
+        expect(page.locator("#followed")).to_contain_text("It has ended: calibrated")
+    assert (server.work_folder / "result.json").exists()
+
+
+def post(server: StartServer, path: str, body: str = "{}", **headers: str) -> tuple[int, str]:
+    port = server.socket.getsockname()[1]
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    connection.request("POST", path, body, headers)
+    answer = connection.getresponse()
+    found = answer.status, answer.read().decode()
+    connection.close()
+    return found
+
+
+def test_only_the_page_itself_changes_or_starts_anything(server: StartServer) -> None:
+    own = {"Origin": f"http://127.0.0.1:{server.socket.getsockname()[1]}"}
+    answer = json.dumps({"key": "material", "given": "wheat"})
+    token = server.token
+
+    assert post(server, f"/{token}/answer", answer)[0] == 403
+    assert post(server, f"/{token}/answer", answer, Origin="http://evil.example")[0] == 403
+    assert post(server, "/wrong/answer", answer, **own)[0] == 404
+    assert post(server, f"/{token}/run", "{}")[0] == 403
+    assert post(server, f"/{token}/answer", '{"key": 1}', **own)[0] == 400
+    assert post(server, f"/{token}/answer", "[" * 100_000, **own)[0] == 400
+    assert post(server, f"/{token}/answer", " " * 300_000, **own)[0] == 413
+    assert not server.path.exists()
+    assert post(server, f"/{token}/answer", answer, **own)[0] == 200
+    assert "wheat" in server.path.read_text()
+
+
+def test_what_is_refused_is_said_and_an_editor_may_come_between(server: StartServer) -> None:
+    own = {"Origin": f"http://127.0.0.1:{server.socket.getsockname()[1]}"}
+
+    def said(what: str, key: str = "", given: str = "") -> dict:
+        body = json.dumps({"key": key, "given": given})
+        return json.loads(post(server, f"/{server.token}/{what}", body, **own)[1])
+
+    assert "comes before" in said("answer", "diameter", "3 mm")["refused"]
+    assert "no test" in said("answer", "material", "wheat")["left"][0].lower()
+    server.path.write_text(server.path.read_text() + "\n# from an editor\n")
+    assert "# from an editor" in said("answer", "diameter", "4 mm")["text"]
+    server.path.write_text("name = ")
+    assert "refused" in said("answer", "diameter", "5 mm")
+    assert "fault" in server.state()
+    assert server.path.read_text() == "name = "
+
+
+def test_a_calibration_is_started_once(server: StartServer) -> None:
+    server.path.write_text(OWN)
+    Path("model.py").write_text(MODEL.replace("0.05", "0.5"))
+    server.start_run()
+    try:
+        with pytest.raises(Exception, match=messages.RUNS_ALREADY.pattern):
+            server.start_run()
+    finally:
+        assert server._run is not None
+        server._run._process.terminate()
+        server._run._process.wait(60)
+    time.sleep(0)
