@@ -142,14 +142,15 @@ def photo(
 
 
 def _places(key: str, given: str, count: int) -> list[tuple[float, float]]:
-    from grainfit.photographs.messages import NO_POINTS, NO_REFERENCE
+    from grainfit.photographs import messages as of_photographs
 
     try:
         places = [tuple(map(float, place.split(","))) for place in given.split()]
     except ValueError:
         places = []
     if len(places) != count or any(len(place) != 2 for place in places):
-        raise InputError((NO_POINTS if key == "points" else NO_REFERENCE).fault(key, given=given))
+        points, reference = of_photographs.NO_POINTS, of_photographs.NO_REFERENCE
+        raise InputError((points if key == "points" else reference).fault(key, given=given))
     return [(place[0], place[1]) for place in places]
 
 
