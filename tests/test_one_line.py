@@ -98,6 +98,7 @@ def of_values() -> list[Any]:
         gf.MeasurementPlan(0.2, None, ()),
         gf.Estimate((), (), by_name, by_name, 1.0, 3, 60.0, (), np.zeros((9, 2)), np.zeros(9)),
         gf.PhotographedDrum(by_name, {"dynamic_angle": by_name}, (), 0.084, {}),
+        gf.PhotographedDrawDowns(by_name, {"shear_angle": by_name}, (), {Path("a" * 200): "dark"}),
         gf.PhotographedSlopes(gf.Response(22.0, 0.2), (), by_name, {Path("a" * 200): "dark"}),
         gf.PhotographedHeaps(gf.Response(30.0, 0.5), (), by_name, {Path("a" * 200): "dark"}),
         *(gf.InputError([gf.errors.Fault(name, "is wrong.") for name in names]),),

@@ -37,6 +37,9 @@ from grainfit.materials.time_step import rayleigh_time_step as rayleigh_time_ste
 from grainfit.materials.wall_friction import friction_of_angle as friction_of_angle
 from grainfit.opened import OpenedCalibration as OpenedCalibration
 from grainfit.opened import open_calibration
+from grainfit.photographs.draw_down_photo import (
+    PhotographedDrawDowns as PhotographedDrawDowns,
+)
 from grainfit.photographs.drum_photo import PhotographedDrum as PhotographedDrum
 from grainfit.photographs.photo import PhotographedHeaps as PhotographedHeaps
 from grainfit.photographs.photo import photo as photo

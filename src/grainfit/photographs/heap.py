@@ -233,7 +233,7 @@ def measure_heap(
         found.diameter,
         scale,
         lengths[1] if lengths else None,
-        _contour(mask),
+        contour_of(mask),
         _drawn(found),
         found.back,
     )
@@ -293,7 +293,7 @@ def _seen_from(
     Where one of them is seen, or the elevation is stated, the foot follows from it.
     """
     middle, drawn = picture.middle, picture.by_hand
-    particle = _particle(seen.mask)
+    particle = particle_in(seen.mask)
     arc = _lower_edge(seen.mask, particle)
     foot = foot_of(arc, focal, middle, particle)
     error = math.hypot(foot.error, _NO_CIRCLE)
@@ -345,7 +345,7 @@ def _lengths(
     if isinstance(plate, MarkerSheet):
         elevation, up = math.radians(camera.elevation(foot.middle)), plate.height
         # The circle of the foot is that of the middles of its particles.
-        particle = _particle(mask) * up / math.sin(elevation) / focal
+        particle = particle_in(mask) * up / math.sin(elevation) / focal
         along = (up - particle / 2) / math.tan(elevation)
     else:
         # The edge of a circle is widest before its middle, where it is nearer.
@@ -377,7 +377,7 @@ def _lower_edge(mask: Mask, particle: float) -> Array:
     return np.column_stack([columns, rows]).astype(np.float64)[::every]
 
 
-def _particle(mask: Mask, end: float = 0.0) -> float:
+def particle_in(mask: Mask, end: float = 0.0) -> float:
     """Particle diameter by the roughness of the outline, pixels, on the flanks as they appear.
 
     These end at a share of the height of the heap: below is the foot.
@@ -454,7 +454,7 @@ def _angle(
     turn = camera.turned(apex, origin)
     upright = cv2.warpPerspective(mask.astype(np.uint8) * 255, turn, size, flags=cv2.INTER_LINEAR)
     upright = upright > 127
-    diameter = given or _particle(upright)
+    diameter = given or particle_in(upright)
     outline = Silhouette(upright, 1.0).outline()
     smooth = _smoothed(outline, diameter)
     top = size[1] - float(np.nanmax(smooth))  # row of the apex
@@ -477,7 +477,7 @@ def _angle(
         silhouette = _stretched(upright, stretch, tall - stretch * (size[1] - top), axis)
         end = _end_of_flanks(angle, elevation, tall, scale)
         if given is None:
-            diameter = _particle(upright, end / drop)
+            diameter = particle_in(upright, end / drop)
         ground = diameter + tall - stretch * (drop - end)
         # From behind, the same outline is seen, mirrored: two flanks alone would be refused where
         # they differ by more than four degrees, as those of coarse heaps do.
@@ -625,7 +625,8 @@ def _unsure_outline(separated: Separated, angle: float, other: Callable[..., flo
     return (max(found) - min(found)) / 2
 
 
-def _contour(mask: Mask) -> Array:
+def contour_of(mask: Mask) -> Array:
+    """Return the largest outline of a mask, columns and rows, shape (n, 2)."""
     cv2 = opencv()
     found, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     outline: Array = max(found, key=len).reshape(-1, 2).astype(np.float64)
@@ -648,6 +649,8 @@ __all__ = [
     "FLANKS_VANISH",
     "HeapInPicture",
     "Seen",
+    "contour_of",
     "diameter_by_roughness",
     "measure_heap",
+    "particle_in",
 ]

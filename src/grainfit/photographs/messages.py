@@ -188,6 +188,14 @@ WHOLE_DRUM = Message(
 DRUM_ONLY = Message("is of use for a drum only.", "Add --test drum, or leave it out.")
 NOT_OF_DRUM = Message("is of no use for a drum.", "Leave it out.")
 
+# Draw-downs.
+NO_WEDGES = Message(
+    "the wedges on the shelf are not seen: material of the heap's colour is left in {left} parts "
+    "above it to the left, and in {right} to the right.",
+    "Show the whole box, with a plain background behind the slot and behind both wedges.",
+)
+NOT_OF_DRAW_DOWN = Message("is of no use for a draw-down.", "Leave it out.")
+
 # Slopes.
 NO_SLOPE = Message(
     "no slope is found: no straight edge that is neither level nor upright is longer than "

@@ -16,6 +16,7 @@ from grainfit.messages import Message
 from grainfit.one_line import one_line
 from grainfit.photographs import messages
 from grainfit.photographs.by_hand import ByHand
+from grainfit.photographs.draw_down_photo import PhotographedDrawDowns, photo_draw_downs
 from grainfit.photographs.drum import DrumSize
 from grainfit.photographs.drum_photo import PhotographedDrum, photo_drum
 from grainfit.photographs.heap import HeapInPicture, measure_heap
@@ -32,7 +33,7 @@ _FLANKS, _COUNTS_AS = 1.2, 2
 #: Any number of pictures of one heap shows six independent flanks (as of simulated silhouettes).
 _INDEPENDENT_FLANKS = 6
 
-Photographed = Literal["heap", "funnel", "drum", "slope"]
+Photographed = Literal["heap", "funnel", "draw_down", "drum", "slope"]
 Heaps = Literal["heap", "funnel"]
 PathLike = str | Path
 
@@ -113,6 +114,15 @@ def photo(
 @overload
 def photo(
     pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
+    test: Literal["draw_down"],
+    *,
+    overlays: PathLike | None = ...,
+) -> PhotographedDrawDowns: ...
+
+
+@overload
+def photo(
+    pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
     test: Literal["slope"],
     *,
     level: str | float | None = ...,
@@ -149,7 +159,7 @@ def photo(
     rectangle: tuple[str | float, str | float] | None = None,
     reference: Points | None = None,
     overlays: PathLike | None = None,
-) -> PhotographedHeaps | PhotographedDrum | PhotographedSlopes:
+) -> PhotographedHeaps | PhotographedDrawDowns | PhotographedDrum | PhotographedSlopes:
     """Measure angles on photographs and videos, by the code that measures simulated tests.
 
     What was drawn on a picture by hand (``grainfit photo --edit PICTURE``) is taken from the file
@@ -160,8 +170,8 @@ def photo(
     pictures : path, or sequence of these and of sequences
         JPEG, HEIC, PNG, BMP or TIFF. Each picture shows a heap of its own; those of a folder or of
         a sequence within the sequence show one heap. Of a drum: videos, or at least five stills. Of
-        a slope each picture is a repeat.
-    test : {"heap", "funnel", "drum", "slope"}
+        a slope or a draw-down each picture is a repeat.
+    test : {"heap", "funnel", "draw_down", "drum", "slope"}
         What is photographed; heaps of both kinds are measured alike. A slope is an inclined plane
         or bed.
     diameter : str or float, optional
@@ -191,7 +201,7 @@ def photo(
 
     Returns
     -------
-    PhotographedHeaps, PhotographedDrum or PhotographedSlopes
+    PhotographedHeaps, PhotographedDrawDowns, PhotographedDrum or PhotographedSlopes
         Mean and standard uncertainty, and what was found on each picture.
 
     Raises
@@ -218,6 +228,10 @@ def photo(
         _require_none({**of_heap, "reference": reference}, messages.NOT_OF_DRUM)
         size = drum_size(drum, distance, length)
         return photo_drum(_groups(pictures), size, angle, folder)
+    if test == "draw_down":
+        others = {**of_heap, **of_drum, "level": level, "reference": reference}
+        _require_none(others, messages.NOT_OF_DRAW_DOWN)
+        return photo_draw_downs([path for group in _groups(pictures) for path in group], folder)
     if test == "slope":
         _require_none({**of_heap, **of_drum}, messages.NOT_OF_SLOPE)
         paths = [path for group in _groups(pictures) for path in group]

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.sheet import FLANK
 from grainfit.one_line import one_line
 from grainfit.photographs import messages
 from grainfit.photographs.overlay import PLATE, draw_line, write_page
-from grainfit.photographs.pictures import Picture, read_picture
+from grainfit.photographs.pictures import Picture
+from grainfit.photographs.several import mean_of_repeats, measure_each
 from grainfit.photographs.slope import LEVEL, Points, SlopeInPicture, measure_slope
 from grainfit.tables import Summary, TextTable
 
@@ -100,34 +100,15 @@ def photo_slopes(
     NotMeasurableError
         None can be measured, and why.
     """
-    slopes: list[SlopeInPicture] = []
-    refused: dict[Path, str] = {}
-    for path in paths:
-        picture = read_picture(path)
-        found: SlopeInPicture | str
-        try:
-            found = measure_slope(picture, reference, level)
-            slopes.append(found)
-        except NotMeasurableError as error:
-            found = refused[path] = str(error)
+
+    def draw(picture: Picture, found: SlopeInPicture | str) -> None:
         if overlays is not None:
             _draw(overlays, picture, found)
-    if not slopes:
-        reasons = "\n".join(messages.REFUSED(path=p, reason=why) for p, why in refused.items())
-        raise NotMeasurableError(
-            messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
-        )
-    angles = [found.angle for found in slopes]
-    parts = {
-        # What is wrong in one picture is wrong alike in others of the same camera.
-        name: math.sqrt(float(np.mean([found.parts[name] ** 2 for found in slopes])))
-        for name in slopes[0].parts
-    }
-    if len(slopes) > 1:
-        parts["edge"] /= math.sqrt(len(slopes))
-        scatter = float(np.std(angles, ddof=1)) / math.sqrt(len(slopes))
-        parts = {"from picture to picture": scatter, **parts}
-    mean = Response(float(np.mean(angles)), math.sqrt(sum(part**2 for part in parts.values())))
+
+    slopes, refused = measure_each(paths, lambda one: measure_slope(one, reference, level), draw)
+    mean, parts = mean_of_repeats(
+        [found.angle for found in slopes], [found.parts for found in slopes], "edge"
+    )
     return PhotographedSlopes(mean, tuple(slopes), parts, refused)
 
 

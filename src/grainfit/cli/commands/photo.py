@@ -20,12 +20,13 @@ def photo(
         typer.Argument(
             metavar="PICTURE...",
             help="Pictures, each of a heap of its own; a folder has pictures of one heap. Videos, "
-            "or at least five stills, of a drum; pictures of a slope, each a repeat.",
+            "or at least five stills, of a drum; pictures of slopes or draw-downs, each a repeat.",
             show_default=False,
         ),
     ] = None,
     test: Annotated[
-        Literal["heap", "funnel", "drum", "slope"], typer.Option(help="Test that is photographed.")
+        Literal["heap", "funnel", "draw_down", "drum", "slope"],
+        typer.Option(help="Test that is photographed."),
     ] = "heap",
     diameter: Annotated[
         str | None,
@@ -104,7 +105,7 @@ def photo(
         typer.Option(metavar="FILE.pdf", help="Write the sheet of markers to print, no more."),
     ] = None,
 ) -> None:
-    """Measure heaps, turning drums and slopes on photographs and videos, as simulated ones.
+    """Measure heaps, draw-downs, drums and slopes on photographs and videos, as simulated ones.
 
     Look at the overlays: they show outline, plate and flanks as they were found.
     A picture that cannot be measured is refused with the reason. A printed sheet of markers

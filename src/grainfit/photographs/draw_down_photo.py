@@ -1,0 +1,135 @@
+"""Angles of draw-downs that were photographed, for the targets of a calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image, ImageDraw
+
+from grainfit.evaluation import Response
+from grainfit.measurement.sheet import FLANK
+from grainfit.one_line import one_line
+from grainfit.photographs import messages
+from grainfit.photographs.draw_down import DrawDownInPicture, measure_draw_down
+from grainfit.photographs.heap import contour_of
+from grainfit.photographs.overlay import OUTLINE, draw_line, write_page
+from grainfit.photographs.pictures import Picture
+from grainfit.photographs.several import mean_of_repeats, measure_each
+from grainfit.tables import Summary, TextTable
+
+
+@dataclass(frozen=True)
+class PhotographedDrawDowns(Summary):
+    """What was measured on pictures of draw-downs.
+
+    Parameters
+    ----------
+    responses : dict
+        Angles of the draw-down test by their names, with their standard uncertainties, degrees;
+        without ``shear_angle`` where no picture shows two wedges.
+    parts : dict
+        Standard uncertainties of each by their source, degrees.
+    pictures : tuple of DrawDownInPicture
+        What was found on each.
+    refused : dict
+        Reason of each picture that was not measured.
+    """
+
+    __repr__ = one_line
+
+    responses: dict[str, Response]
+    parts: dict[str, dict[str, float]]
+    pictures: tuple[DrawDownInPicture, ...]
+    refused: dict[Path, str]
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Lines of a calibration file."""
+        return tuple(
+            f'targets.{name} = {{ value = "{found.value:.2f} deg", '
+            f'uncertainty = "{found.standard_error:.2f} deg" }}'
+            for name, found in self.responses.items()
+        )
+
+    def summary(self) -> tuple[str | TextTable, ...]:
+        """Return a table of the pictures, what is refused, and lines for a calibration file."""
+        names = ("angle_of_repose", "shear_angle")
+        rows = tuple(
+            (one.picture.path.name, *(_number(one.angles.get(name)) for name in names))
+            for one in self.pictures
+        )
+        lines: list[str | TextTable] = [TextTable(("picture", "repose, °", "shear, °"), rows)]
+        unseen = {one.picture.path: one.no_wedges for one in self.pictures if one.no_wedges}
+        reasons = {**unseen, **self.refused}
+        lines += [messages.REFUSED(path=path, reason=why) for path, why in reasons.items()]
+        for name, found in self.responses.items():
+            sources = ", ".join(
+                f"{source} {part:.2f}°" for source, part in self.parts[name].items()
+            )
+            words, error = name.replace("_", " "), found.standard_error
+            lines.append(f"{words}: {found.value:.2f} ± {error:.2f} deg ({sources})")
+        if len(self.pictures) == 1:
+            lines.append(messages.ONE_HEAP())
+        return (*lines, *self.targets)
+
+
+def _number(angle: float | None) -> str:
+    return "–" if angle is None else f"{angle:.2f}"
+
+
+def photo_draw_downs(paths: Sequence[Path], overlays: Path | None) -> PhotographedDrawDowns:
+    """Measure heap and wedges of draw-downs, one on each picture.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        The pictures.
+    overlays : Path, optional
+        Folder for pictures with what was found drawn on them.
+
+    Raises
+    ------
+    InputError
+        A picture cannot be read.
+    NotMeasurableError
+        None can be measured, and why.
+    """
+
+    def draw(picture: Picture, found: DrawDownInPicture | str) -> None:
+        if overlays is not None:
+            _draw(overlays, picture, found)
+
+    pictures, refused = measure_each(paths, measure_draw_down, draw)
+    responses: dict[str, Response] = {}
+    parts: dict[str, dict[str, float]] = {}
+    for name in ("shear_angle", "angle_of_repose"):
+        some = [one for one in pictures if name in one.angles]
+        if some:
+            responses[name], parts[name] = mean_of_repeats(
+                [one.angles[name] for one in some], [one.parts[name] for one in some], "flanks"
+            )
+    return PhotographedDrawDowns(responses, parts, tuple(pictures), refused)
+
+
+def _draw(folder: Path, picture: Picture, found: DrawDownInPicture | str) -> None:
+    """Write the picture with heap, wedges and flanks, or with why it is not measured."""
+    image = Image.fromarray(picture.colours)
+    if isinstance(found, str):
+        text, ending = f"not measured: {found}", "refused"
+    else:
+        draw = ImageDraw.Draw(image)
+        width = max(2, image.width // 400)
+        for mask in found.masks:
+            draw_line(draw, contour_of(mask), OUTLINE, width, closed=True)
+        for line in found.lines:
+            draw_line(draw, line, FLANK, 2 * width)
+        words = [f"{name.replace('_', ' ')} {angle:.1f}°" for name, angle in found.angles.items()]
+        text, ending = ", ".join(words), "measured"
+        if found.no_wedges:
+            text += f"; no shear angle: {found.no_wedges}"
+    write_page(image, text, folder / f"{picture.path.stem}_{ending}.png")
+
+
+__all__ = ["PhotographedDrawDowns", "photo_draw_downs"]
