@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from benchmarks.kept_runs import measure
 from grainfit.errors import GrainfitError
-from studies.benchmarks import impacts
+from studies.benchmarks import gas, impacts, packings
 from studies.benchmarks.drum_pictures import measure_pictures
-from studies.benchmarks.page import write_page
-from studies.benchmarks.published import DATA
+from studies.benchmarks.page import KEPT, KEPT_GASES, KEPT_PACKINGS, write_page
 
-STEPS = ("impacts", "pictures", "page")
+#: Steps that simulate: runs of some solvers, where they are kept, what makes one.
+SIMULATED: Mapping[str, tuple[Callable[..., Any], Path, Callable[..., Any]]] = {
+    "impacts": (impacts.all_runs, KEPT, impacts.simulate),
+    "gas": (gas.all_gases, KEPT_GASES, gas.simulate),
+    "packings": (packings.all_packings, KEPT_PACKINGS, packings.simulate),
+}
+STEPS = (*SIMULATED, "pictures", "page")
 app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -27,27 +33,25 @@ def main(
     steps: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[STEP]...", help=f"Of {', '.join(STEPS)}. By default, impacts and page."
+            metavar="[STEP]...", help=f"Of {', '.join(STEPS)}. By default, all but pictures."
         ),
     ] = None,
     solvers: Annotated[
         list[str] | None,
         typer.Option("--solver", metavar="NAME", help="Of lammps, liggghts, yade. All by default."),
     ] = None,
-    kept: Annotated[
-        Path, typer.Option(metavar="FILE", help="Where finished impacts are kept.")
-    ] = DATA / "impacts.jsonl",
     clones: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Clones of the repositories with pictures.")
     ] = None,
 ) -> None:
     """Make the benchmarks, or some steps of them."""
-    wanted = steps or ["impacts", "page"]
+    wanted = steps or [step for step in STEPS if step != "pictures"]
     if unknown := [step for step in wanted if step not in STEPS]:
         raise typer.BadParameter(f"There is no step {unknown[0]!r}.")
     try:
-        if "impacts" in wanted:
-            measure(impacts.all_runs(solvers or impacts.SOLVERS), kept, impacts.simulate)
+        for step, (runs_of, kept, simulate) in SIMULATED.items():
+            if step in wanted and (runs := runs_of(solvers or impacts.SOLVERS)):
+                measure(runs, kept, simulate)
     except GrainfitError as error:
         typer.echo(error, err=True)
         raise typer.Exit(1) from None
@@ -57,7 +61,7 @@ def main(
         for path in measure_pictures(clones):
             typer.echo(path)
     if "page" in wanted:
-        for path in write_page(kept):
+        for path in write_page():
             typer.echo(path)
 
 

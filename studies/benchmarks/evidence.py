@@ -12,12 +12,28 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from studies.benchmarks import comparisons, disagreement
+from studies.benchmarks import comparisons, disagreement, gas, packings
 from studies.benchmarks.impacts import SOLVERS
 
 ROOT = Path(__file__).parents[2]
 _IMPACTS = "python -m studies.benchmarks impacts"
+
+
+@dataclass(frozen=True)
+class Records:
+    """What the benchmarks of this study keep.
+
+    Parameters
+    ----------
+    impacts, gases, packings : mapping
+        Records by run.
+    """
+
+    impacts: comparisons.Records
+    gases: Mapping[gas.Gas, Mapping[str, Any]]
+    packings: Mapping[packings.Packing, Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -59,9 +75,16 @@ class Evidence:
     command: str
 
 
-def evidence(records: comparisons.Records) -> list[Evidence]:
+def evidence(records: Records) -> list[Evidence]:
     """Return all rows."""
-    return [*_impacts(records), *_janssen(), *_pages(), _disagreement()]
+    return [
+        *_impacts(records.impacts),
+        *_gas(records.gases),
+        *_packings(records.packings),
+        *_janssen(),
+        *_pages(),
+        _disagreement(),
+    ]
 
 
 # --- elementary impacts ---------------------------------------------------------------------------
@@ -106,6 +129,38 @@ def percent(share: float) -> str:
 
 
 # --- bulk -----------------------------------------------------------------------------------------
+
+
+def _gas(records: Mapping[gas.Gas, Mapping[str, Any]]) -> Iterator[Evidence]:
+    solvers = [solver for solver in SOLVERS if any(run.solver == solver for run in records)]
+    command = "python -m studies.benchmarks gas"
+    grown = {solver: gas.growth(records, solver) for solver in solvers}
+    results = {s: Result(percent(max(share, 0.0)), share <= 0.001) for s, share in grown.items()}
+    yield Evidence("energy that an elastic gas gains", "none", results, command)
+    cooled = {solver: gas.cooling(records, solver) for solver in solvers}
+    results = {
+        s: Result(f"{100 * (mean - 1):+.1f} % ± {100 * half:.1f} %", abs(mean - 1) <= 0.05)
+        for s, (mean, half) in cooled.items()
+    }
+    yield Evidence("cooling of a gas, restitution 0.9", "Haff, Enskog", results, command)
+
+
+def _packings(records: Mapping[packings.Packing, Mapping[str, Any]]) -> Iterator[Evidence]:
+    command = "python -m studies.benchmarks packings"
+    for friction, isostatic in packings.ISOSTATIC.items():
+        solids, contacts = {}, {}
+        for solver in SOLVERS:
+            if not any((run.solver, run.friction) == (solver, friction) for run in records):
+                continue
+            solid, found = packings.without_overlap(records, solver, friction)
+            solids[solver] = Result(f"{solid:.3f}", abs(solid / packings.CLOSE - 1) <= 0.02)
+            is_met = abs(found / isostatic - 1) <= 0.05
+            contacts[solver] = Result(f"{found:.2f}", is_met)
+        words = "smooth spheres" if friction == 0 else f"spheres with a friction of {friction:g}"
+        yield Evidence(f"contacts in a bed of {words}", f"{isostatic:g}", contacts, command)
+        if friction == 0:
+            reference = f"{packings.CLOSE} (random close)"
+            yield Evidence(f"solid fraction of {words}", reference, solids, command)
 
 
 def _janssen() -> Iterator[Evidence]:

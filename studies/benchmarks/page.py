@@ -9,34 +9,44 @@ import jinja2
 
 from benchmarks.kept_runs import read
 from grainfit.files import write_atomically
-from studies.benchmarks import comparisons, disagreement
-from studies.benchmarks.evidence import ROOT, evidence, percent
+from studies.benchmarks import comparisons, disagreement, gas, packings
+from studies.benchmarks.evidence import ROOT, Records, evidence, percent
+from studies.benchmarks.gas import Gas
 from studies.benchmarks.impacts import SOLVERS, Run
+from studies.benchmarks.published import DATA
 
 NAMES = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 _PAGE = ROOT / "docs" / "studies" / "benchmarks.md"
 _IMAGES = ROOT / "docs" / "images"
 _README = ROOT / "README.md"
+#: Where finished runs are kept.
+KEPT, KEPT_GASES = DATA / "impacts.jsonl", DATA / "gas.jsonl"
+KEPT_PACKINGS = DATA / "packings.jsonl"
 _MARKED = re.compile("(?<=<!-- evidence -->\n).*(?=<!-- end of evidence -->)", re.DOTALL)
 
 
-def write_page(kept: Path) -> list[Path]:
+def write_page() -> list[Path]:
     """Write page, figures and table; return their paths."""
     # Figures need Pillow, and nothing else does.
     from studies.benchmarks.figures import draw_disagreement, draw_impacts
 
-    records = read(kept, Run)
+    records = kept_records()
     write_atomically(_PAGE, page(records))
     write_atomically(_README, readme(records))
     return [
         _PAGE,
         _README,
-        draw_impacts(records, _IMAGES / "elementary_impacts.png"),
+        draw_impacts(records.impacts, _IMAGES / "elementary_impacts.png"),
         draw_disagreement(_IMAGES / "two_calibrations.png"),
     ]
 
 
-def page(records: comparisons.Records) -> str:
+def kept_records() -> Records:
+    """Return what is kept."""
+    return Records(read(KEPT, Run), read(KEPT_GASES, Gas), read(KEPT_PACKINGS, packings.Packing))
+
+
+def page(records: Records) -> str:
     """Return the page as text."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent),
@@ -46,11 +56,19 @@ def page(records: comparisons.Records) -> str:
         keep_trailing_newline=True,
         autoescape=False,
     )
+    rows = evidence(records)
     return environment.get_template("benchmarks.md.jinja").render(
-        impacts=[_impact(row) for row in comparisons.rows(records)],
-        seconds=comparisons.processor_seconds(records),
+        impacts=[_impact(row) for row in comparisons.rows(records.impacts)],
+        seconds=comparisons.processor_seconds(records.impacts),
+        beds={
+            step: [row for row in rows if row.command.endswith(step)]
+            for step in ("gas", "packings")
+        },
+        packings=packings,
+        gas=gas,
+        solvers=SOLVERS,
         names=NAMES,
-        impulse=comparisons.sliding_impulse(records),
+        impulse=comparisons.sliding_impulse(records.impacts),
         published=comparisons.published_against_experiment,
         tolerance=comparisons.TOLERANCE,
         of_curves=comparisons.OF_CURVES,
@@ -65,7 +83,7 @@ def page(records: comparisons.Records) -> str:
     )
 
 
-def readme(records: comparisons.Records) -> str:
+def readme(records: Records) -> str:
     """Return the readme with its evidence table as the records give it."""
     header = f"| benchmark | reference | {' | '.join(NAMES.values())} | command |"
     lines = [header, "|---" * 6 + "|"]
