@@ -11,6 +11,8 @@ from grainfit.testing.contact_model_contract import (
     HertzMindlinContract,
     LinearContract,
 )
+from grainfit.testing.single_contacts import YadeContacts
+from tests.started_yade import started_yade
 
 CONTRACTS = (
     HertzMindlinContract,
@@ -25,9 +27,26 @@ CONTRACTS = (
 
 
 def programs(model):
-    """The solvers that have a model; YADE takes seconds to start."""
+    """The solvers that have a model; YADE takes longest."""
     slow = {"yade": (pytest.mark.slow,)}
     return [pytest.param(solver, marks=slow.get(solver, ())) for solver in model.solvers]
+
+
+class StartedYadeContacts(YadeContacts):
+    """YADE in a copy of a process that has been started."""
+
+    def simulate(self, case, folder):
+        self.write(case, folder)
+        self.run_script(folder / self.input_name)
+        return self.read(case, folder)
+
+
+@pytest.fixture(scope="module")
+def yade(tmp_path_factory):
+    with started_yade(tmp_path_factory.mktemp("server")) as run_script:
+        program = StartedYadeContacts([])
+        program.run_script = run_script
+        yield program
 
 
 def kept_by_solvers(contract):
@@ -36,7 +55,8 @@ def kept_by_solvers(contract):
     class Kept(contract):
         @pytest.fixture(params=programs(contract.model))
         def program(self, request):
-            return contacts(request.param)
+            program = contacts(request.param)
+            return request.getfixturevalue("yade") if request.param == "yade" else program
 
     return Kept
 

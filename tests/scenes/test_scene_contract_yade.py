@@ -1,13 +1,12 @@
 """YADE keeps the contract of scenes.
 
-It takes a second to start, and most scenes a few tenths: one process is started for all of them,
-and a copy of it runs each script. tests/solvers/test_contract_yade.py starts it as users do.
+Most scenes take a few tenths of a second, so that copies of one process run them.
+tests/solvers/test_contract_yade.py starts it as users do.
 """
 
 from __future__ import annotations
 
 import math
-import subprocess
 
 import pytest
 
@@ -22,52 +21,22 @@ from grainfit.testing.glued_contract import GluedContract
 from grainfit.testing.impact_contract import ImpactContract
 from grainfit.testing.scene_contract import SceneContract
 from grainfit.testing.simulated_scenes import FLOOR, RADIUS, frames, scene_of, spheres
+from tests.started_yade import started_yade
 
 pytestmark = needs.YADE
-#: Runs the script in each folder that it reads, in a copy of the process; says how it ended.
-_SERVER = """\
-import os, sys, traceback
-
-script, temporary = "in.yade.py", os.path.dirname(O.tmpFilename())
-for folder in iter(sys.stdin.readline, ""):
-    os.makedirs(temporary, exist_ok=True)
-    child = os.fork()
-    if child == 0:
-        code = 0
-        try:
-            os.chdir(folder.rstrip())
-            exec(compile(open(script).read(), script, "exec"), globals())
-        except SystemExit as end:
-            code = end.code
-        except BaseException:
-            traceback.print_exc()
-            code = 1
-        os._exit(code)
-    print("ended", os.waitpid(child, 0)[1], flush=True)
-"""
 
 
 class StartedYade(Yade):
     """YADE in a copy of a process that has been started."""
 
-    process: subprocess.Popen[str]
-
     def _simulate(self, deck, workspace):
-        self.process.stdin.write(f"{workspace.folder}\n")
-        self.process.stdin.flush()
-        lines = iter(self.process.stdout.readline, "")
-        assert next(line for line in lines if line.startswith("ended")) == "ended 0\n"
+        self.run_script(workspace.folder / "in.yade.py")
 
 
 @pytest.fixture(scope="module")
-def process(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("server")
-    (folder / "server.py").write_text(_SERVER)
-    command = ["yade", "-n", "-x", "-j1", "server.py"]
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen(command, cwd=folder, text=True, **pipes) as started:
-        yield started
-        started.stdin.close()
+def run_script(tmp_path_factory):
+    with started_yade(tmp_path_factory.mktemp("server")) as run:
+        yield run
 
 
 @pytest.mark.slow
@@ -89,9 +58,9 @@ class TestYade(SceneContract, GluedContract, ImpactContract, ClumpContract):
         return radius * math.sqrt(part / math.tan(part)), math.inf
 
     @pytest.fixture
-    def solver(self, process):
+    def solver(self, run_script):
         solver = StartedYade(Heap(diameter="10 mm"), {})
-        solver.process = process
+        solver.run_script = run_script
         return solver
 
     def test_a_lift_without_a_particle_ends(self, run):
