@@ -32,6 +32,7 @@ def test_it_asks_to_the_end_and_shows_the_plan(tmp_path: Path) -> None:
 
     assert code == 0, output
     assert "a note for people" in output
+    assert "2. Fill it from the top" in output
     assert "Mean 605 kg/m³ of 2 repeats" in output
     assert "packing.bulk_density" in output
     assert messages.READY.is_in(output)

@@ -161,9 +161,9 @@ def test_answers_that_are_typed_again_change_nothing(tmp_path: Path) -> None:
         ("may.lift_speed", "0.02 m/s", ("test", 0, "lift_speed"), "0.02 m/s"),
         (
             "may.targets.angle_of_repose",
-            "32; 34 deg",
-            ("test", 0, "targets", "angle_of_repose"),
-            {"measurements": ["32 deg", "34 deg"], "tolerance": "2 deg", "weight": 2},
+            "32 deg",
+            ("test", 0, "targets", "angle_of_repose", "value"),
+            "32 deg",
         ),
     ],
 )
@@ -178,8 +178,15 @@ def test_one_answer_changes_one_value_of_a_file_by_hand(
     place[path[-1]] = value
 
     assert tomllib.loads(found.text) == expected
-    kept = {"# my own remarks", "# as in the book", "# the heap of May", "# glued", "# patience"}
-    assert {words for words in kept if words not in found.text} == set()
+    kept = {
+        "# my own remarks",
+        "# as in the book",
+        "# the heap of May",
+        "# glued",
+        "# protractor",
+        "# patience",
+    }
+    assert [words for words in kept if f"# {words}" not in found.text] == []
 
 
 @pytest.mark.parametrize(
@@ -209,6 +216,17 @@ def test_an_impossible_answer_is_refused_with_its_reason(
         begun.answered(key, answer)
 
     assert words in str(refused.value)
+
+
+def test_repeats_take_the_place_of_a_value_beside_its_tolerance(tmp_path: Path) -> None:
+    found = interview(tmp_path, ("may.targets.angle_of_repose", "32; 34 deg ± 1 deg"), text=OWN)
+
+    assert tomllib.loads(found.text)["test"][0]["targets"]["angle_of_repose"] == {
+        "measurements": ["32 deg", "34 deg"],
+        "systematic": "1 deg",
+        "tolerance": "2 deg",
+        "weight": 2,
+    }
 
 
 def test_a_measured_test_is_not_lost_by_a_choice(tmp_path: Path) -> None:

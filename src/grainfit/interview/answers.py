@@ -226,11 +226,18 @@ def set_measured(text: str, number: int, test: dict[str, Any], response: str, gi
     """Return the text with what was measured; tolerance and weight of a target stay."""
     path = ("test", number, "targets", response)
     unit = BUILT_IN[test["type"]].responses[response].unit
-    before = test.get("targets", {}).get(response, {})
+    before = test.get("targets", {}).get(response)
     target = read_measured(f"{path[0]}[{number}].targets.{response}", given, unit).target()
-    kept = {key: value for key, value in before.items() if key not in MEASURED}
-    pairs = ", ".join(f"{key} = {_value(value)}" for key, value in {**target, **kept}.items())
-    return with_value(text, path, f"{{ {pairs} }}")
+    if before is None:
+        pairs = ", ".join(f"{key} = {_value(value)}" for key, value in target.items())
+        return with_value(text, path, f"{{ {pairs} }}")
+    # Key by key, so that comments beside the others stay.
+    for key, value in target.items():
+        text = with_value(text, (*path, key), _value(value))
+    for key in MEASURED:
+        if key in before and key not in target:
+            text = without_value(text, (*path, key))
+    return text
 
 
 def without_measured(text: str, number: int, test: dict[str, Any], response: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file, parse_text, read_text
@@ -16,7 +16,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.files import write_atomically
 from grainfit.formatting import in_a_row
 from grainfit.interview import answers, messages
-from grainfit.interview.equipment import way_of, ways
+from grainfit.interview.equipment import Way, way_of, ways
 from grainfit.interview.file_text import note, with_note, with_test, with_value, without_test
 from grainfit.interview.questions import Question, questions_of
 from grainfit.materials.starting_materials import near_materials, read_starting_material
@@ -177,6 +177,18 @@ class Interview(OneLine):
         verb = "has" if len(bare) == 1 else "have"
         return (messages.NOT_MEASURED(names=in_a_row(bare), verb=verb),)
 
+    @property
+    def steps(self) -> dict[str, tuple[str, ...]]:
+        """Sentences for the operator of each test, by its name."""
+        return {way.name: way.steps for way, _ in self._ways()}
+
+    def _ways(self) -> list[tuple[Way, dict[str, Any]]]:
+        found = (
+            (way_of(str(test.get("type")), str(test.get("apparatus", "")), name), test)
+            for name, test in answers.named_tests(self.text)
+        )
+        return [(way, test) for way, test in found if way is not None]
+
     def save(self) -> None:
         """Write the file.
 
@@ -268,11 +280,7 @@ class Interview(OneLine):
         # Imported here: it takes a third of a second.
         from grainfit.interview.record_sheet import record_sheet
 
-        found = []
-        for name, test in answers.named_tests(self.text):
-            way = way_of(str(test.get("type")), str(test.get("apparatus", "")), name)
-            if way is not None:
-                found.append((way, test))
+        found = self._ways()
         if not found:
             raise InputError(messages.NO_SHEET.fault("tests"))
         return record_sheet(self._title, note(self.text, answers.MOISTURE), found)

@@ -171,6 +171,11 @@
         const section = element("section", { className: "section" },
           element("h2", { id, textContent: title }));
         section.setAttribute("aria-labelledby", id);
+        const steps = state.steps[question.group] || [];
+        if (steps.length) {
+          section.append(element("details", {}, element("summary", { textContent: "How to measure" }),
+            element("ol", {}, ...steps.map((step) => element("li", { textContent: step })))));
+        }
         sections.set(question.group, section);
       }
       const section = sections.get(question.group);

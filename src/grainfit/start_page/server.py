@@ -64,6 +64,7 @@ class StartServer(LocalServer):
             "questions": [asdict(one) for one in interview.questions()],
             "remark": interview.remark,
             "left": list(interview.left),
+            "steps": interview.steps,
             "run": self._run_state(),
         }
 

@@ -126,10 +126,15 @@ class _Conversation:
                 if self._measured and with_estimate:
                     _print_estimate(self.interview)
                 self._group, self._measured = question.group, False
-                err.print(Text(question.group.replace("_", " ").capitalize(), "bold"))
+                self._print_heading(question.group)
             self._ask(question)
         if self._measured and with_estimate:
             _print_estimate(self.interview)
+
+    def _print_heading(self, group: str) -> None:
+        err.print(Text(plain(group.replace("_", " ").capitalize()), "bold"))
+        for number, step in enumerate(self.interview.steps.get(group, ()), 1):
+            err.print(Text(f"{number}. {plain(step)}", "dim"))
 
     def _next(self) -> Question | None:
         questions = self.interview.questions()
