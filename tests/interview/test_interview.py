@@ -178,14 +178,14 @@ def test_one_answer_changes_one_value_of_a_file_by_hand(
     place[path[-1]] = value
 
     assert tomllib.loads(found.text) == expected
-    kept = {
-        "# my own remarks",
-        "# as in the book",
-        "# the heap of May",
-        "# glued",
-        "# protractor",
-        "# patience",
-    }
+    kept = (
+        "my own remarks",
+        "as in the book",
+        "the heap of May",
+        "glued",
+        "protractor",
+        "patience",
+    )
     assert [words for words in kept if f"# {words}" not in found.text] == []
 
 

@@ -15,6 +15,14 @@ from grainfit.errors import InputError
 CalibrationPath = Annotated[
     Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
 ]
+#: A calibration file that need not be there yet.
+NewCalibrationPath = Annotated[
+    Path,
+    typer.Argument(metavar="FILE", help="Calibration file (TOML) to begin, or to go on with."),
+]
+TestSolver = Annotated[
+    str, typer.Option(metavar="NAME", help="DEM program of the tests: lammps, liggghts or yade.")
+]
 WorkFolder = Annotated[
     Path,
     typer.Argument(metavar="DIR", help="Work folder of a calibration.", show_default=False),

@@ -8,6 +8,7 @@ of a file is ever taken from an address.
 from __future__ import annotations
 
 import hmac
+import json
 import secrets
 import socket
 import threading
@@ -17,7 +18,7 @@ from contextlib import suppress
 from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 from urllib.parse import urlsplit
 
 from typing_extensions import override
@@ -25,6 +26,7 @@ from typing_extensions import override
 from grainfit.errors import InputError
 from grainfit.local_pages import messages
 
+Found = TypeVar("Found")
 HOST = "127.0.0.1"
 #: Names by which a browser on this machine, or at the end of a tunnel, calls it. A page of another
 #: site reaches the port under its own name only (DNS rebinding).
@@ -247,6 +249,23 @@ class LocalHandler(BaseHTTPRequestHandler):
             return self.rfile.read(int(length))
         self.refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "This is too much.")
         return None
+
+    def json_body(self, read: Callable[[Any], Found]) -> Found | None:
+        """Return what JSON in the body of a request is read as, or refuse it.
+
+        Parameters
+        ----------
+        read : callable
+            Raises `ValueError` for what it cannot read.
+        """
+        body = self.body()
+        if body is None:
+            return None
+        try:
+            return read(json.loads(body))
+        except (ValueError, RecursionError) as error:
+            self.refuse(HTTPStatus.BAD_REQUEST, str(error))
+            return None
 
     def send_page(self, page: Callable[[str], str], images: str) -> None:
         """Send a page with a nonce of its own, by which alone its scripts and styles are used."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import socket
 import threading
 from collections.abc import Sequence
@@ -158,13 +157,8 @@ class _Handler(LocalHandler):
 
     @override
     def change(self, rest: str) -> None:
-        body = self.body()
-        if body is None:
-            return
-        try:
-            drawn = ByHand.from_plain(json.loads(body))
-        except (ValueError, RecursionError) as error:
-            self.refuse(HTTPStatus.BAD_REQUEST, str(error))
+        drawn = self.json_body(ByHand.from_plain)
+        if drawn is None:
             return
         if rest == "measure":
             self.send(HTTPStatus.OK, JSON, script_json(self.server.measured(drawn)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import socket
 import threading
 from collections.abc import Callable, Sequence
@@ -212,18 +211,10 @@ class _Handler(LocalHandler):
 
     @override
     def change(self, rest: str) -> None:
-        body = self.body()
-        if body is None:
+        given = self.json_body(_key_and_text)
+        if given is None:
             return
-        try:
-            given = json.loads(body or b"{}")
-            key, text = given.get("key", ""), given.get("given", "")
-            if not (isinstance(key, str) and isinstance(text, str)):
-                raise ValueError("key and given are texts")
-        except (ValueError, AttributeError, RecursionError) as error:
-            self.refuse(HTTPStatus.BAD_REQUEST, str(error))
-            return
-        server = self.server
+        (key, text), server = given, self.server
         asked: dict[str, Callable[[], State]] = {
             "answer": partial(server.answer, key, text),
             "try": partial(server.tried, key, text),
@@ -245,6 +236,15 @@ class _Handler(LocalHandler):
             self.refuse(HTTPStatus.CONFLICT, str(error))
             return
         self.send(HTTPStatus.OK, "application/pdf", sheet)
+
+
+def _key_and_text(body: Any) -> tuple[str, str]:
+    """Return the key of a question and what is typed; both may be missing."""
+    given = body if isinstance(body, dict) else {"key": None}
+    key, text = given.get("key", ""), given.get("given", "")
+    if not (isinstance(key, str) and isinstance(text, str)):
+        raise ValueError("key and given are texts")
+    return key, text
 
 
 def _words(error: Exception) -> str:

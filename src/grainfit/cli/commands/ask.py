@@ -14,6 +14,7 @@ from grainfit.cli.asking import as_names, can_ask, show_options
 from grainfit.cli.completion import complete_material
 from grainfit.cli.consoles import err, err_remarks, out
 from grainfit.cli.exit_codes import INTERRUPTED
+from grainfit.cli.options import NewCalibrationPath, TestSolver
 from grainfit.errors import InputError
 from grainfit.formatting import plain
 
@@ -21,10 +22,6 @@ if TYPE_CHECKING:
     from grainfit.interview.interview import Interview
     from grainfit.interview.questions import Question
 
-_File = Annotated[
-    Path,
-    typer.Argument(metavar="FILE", help="Calibration file (TOML) to begin, or to go on with."),
-]
 _Material = Annotated[
     str | None,
     typer.Option(
@@ -45,9 +42,6 @@ _Sheet = Annotated[
         show_default=False,
     ),
 ]
-_Solver = Annotated[
-    str, typer.Option(metavar="NAME", help="DEM program of the tests: lammps, liggghts or yade.")
-]
 _NoEstimate = Annotated[
     bool,
     typer.Option("--no-estimate", help="Leave out the estimate by the atlas, of seconds."),
@@ -56,11 +50,11 @@ _HELP, _BACK, _COMPARE, _NONE = "?", "back", "compare", "none"
 
 
 def ask(
-    file: _File = Path("calibration.toml"),
+    file: NewCalibrationPath = Path("calibration.toml"),
     material: _Material = None,
     again: _Again = False,
     sheet: _Sheet = None,
-    solver: _Solver = "lammps",
+    solver: TestSolver = "lammps",
     no_estimate: _NoEstimate = False,
 ) -> None:
     """Ask, question by question, for all that a calibration needs, and write its file.

@@ -13,6 +13,7 @@ from grainfit.cli.asking import can_ask, choose
 from grainfit.cli.completion import complete_material
 from grainfit.cli.consoles import out_remarks
 from grainfit.cli.help_texts import shown_default
+from grainfit.cli.options import TestSolver
 from grainfit.errors import InputError
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
 
@@ -37,16 +38,13 @@ _Material = Annotated[
         autocompletion=complete_material,
     ),
 ]
-_Solver = Annotated[
-    str, typer.Option(metavar="NAME", help="DEM program of the tests: lammps, liggghts or yade.")
-]
 
 
 def new(
     file: Annotated[Path, typer.Argument(metavar="FILE")] = Path("calibration.toml"),
     test: _Tests = None,
     material: _Material = None,
-    solver: _Solver = "lammps",
+    solver: TestSolver = "lammps",
 ) -> None:
     """Write a commented calibration file to start from.
 

@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from grainfit.cli import messages
 from grainfit.cli.consoles import err
 from grainfit.cli.local_page import OpenPage, Port, serve_page
-
-_File = Annotated[
-    Path,
-    typer.Argument(metavar="FILE", help="Calibration file (TOML) to begin, or to go on with."),
-]
-_Solver = Annotated[
-    str, typer.Option(metavar="NAME", help="DEM program of the tests: lammps, liggghts or yade.")
-]
+from grainfit.cli.options import NewCalibrationPath, TestSolver
 
 
 def start(
-    file: _File = Path("calibration.toml"),
-    solver: _Solver = "lammps",
+    file: NewCalibrationPath = Path("calibration.toml"),
+    solver: TestSolver = "lammps",
     port: Port = 0,
     open_page: OpenPage = True,
 ) -> None:
