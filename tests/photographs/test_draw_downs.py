@@ -93,7 +93,8 @@ def test_both_angles_are_those_of_the_simulated_measure(tmp_path: Path) -> None:
         heap, wedges = drawn_down(shear, repose, number)
         trues.append(truth(heap, wedges))
         picture(heap, wedges, roll, number).save(folder / f"{number}.png")
-    found = gf.photo(folder, "draw_down", overlays=tmp_path)
+    known = {"diameter": "10 mm", "box": f"{20 * HALF:g} mm"}
+    found = gf.photo(folder, "draw_down", overlays=tmp_path, **known)
 
     for one, true in zip(found.pictures, trues, strict=True):
         assert one.angles["angle_of_repose"] == pytest.approx(true["angle_of_repose"], abs=0.5)
@@ -121,6 +122,10 @@ def test_without_wedges_there_is_no_shear_angle_and_without_a_heap_nothing(
     with pytest.raises(gf.NotMeasurableError):
         gf.photo("none.png", "draw_down", overlays=tmp_path)
     assert Path("none_refused.png").is_file()
-    with pytest.raises(gf.InputError) as error:
-        gf.photo("one.png", "draw_down", plate="2 cm")
-    assert messages.NOT_OF_DRAW_DOWN.is_in(str(error.value))
+    for wrong, why in (
+        ({"plate": "2 cm"}, messages.NOT_OF_DRAW_DOWN),
+        ({"diameter": "3 mm"}, messages.BOX_AND_DIAMETER),
+    ):
+        with pytest.raises(gf.InputError) as error:
+            gf.photo("one.png", "draw_down", **wrong)
+        assert why.is_in(str(error.value))

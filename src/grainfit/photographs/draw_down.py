@@ -32,11 +32,15 @@ _STEPS, _RATIO = (16, 24, 24), 3.0
 _WEDGE = 0.02
 #: Columns at the ends of a wedge, over its width, in which its lower edge is not that of the shelf.
 _ENDS = 0.1
+#: An outline is that of the highest particles, and lies so far above the mean surface of a bed that
+#: is 8 diameters deep, in diameters (0.8 on simulated draw-downs, 0.65 where one layer lies);
+#: flanks would else end where single particles lie beyond the foot.
+_ABOVE = 0.7
 #: Depth of the material as far as a picture tells, in diameters: one independent flank.
 _DEPTH = 10.0
-#: Standard uncertainty of the particle diameter by the roughness, relative; of the elevation of
-#: the camera, degrees; and of an angle by pixels and lens, degrees.
-_SIZE, _ELEVATION, _PICTURE = 0.3, 5.0, 0.2
+#: Standard uncertainty of the particle diameter by the roughness, and by the width of the box,
+#: relative; of the elevation of the camera, degrees; and of an angle by pixels and lens, degrees.
+_SIZE, _KNOWN_SIZE, _ELEVATION, _PICTURE = 0.5, 0.1, 5.0, 0.2
 
 
 @dataclass(frozen=True)
@@ -68,10 +72,17 @@ class DrawDownInPicture:
     no_wedges: str
 
 
-def measure_draw_down(picture: Picture) -> DrawDownInPicture:
+def measure_draw_down(picture: Picture, diameters: float | None = None) -> DrawDownInPicture:
     """Measure the angle of repose of the heap on the floor, and the shear angle above the shelf.
 
     Both are the means of two flanks that face each other, so that a rolled camera does not matter.
+
+    Parameters
+    ----------
+    picture : Picture
+        The end of a draw-down, from the front.
+    diameters : float, optional
+        Inner width of the box in particle diameters; by the roughness of the heap if not given.
 
     Raises
     ------
@@ -82,10 +93,21 @@ def measure_draw_down(picture: Picture) -> DrawDownInPicture:
     material = _material(picture.colours, rough)
     overlap = np.bincount(material[rough])
     heap = material == int(overlap[1:].argmax()) + 1 if len(overlap) > 1 else rough
-    diameter = particle_in(heap)
     columns = np.flatnonzero(heap.any(axis=0))
     floor = float(np.median(_lower(heap, columns)))
     axis = _axis(heap, floor)
+    no_wedges = ""
+    wedges: tuple[Mask, ...] = ()
+    try:
+        wedges = _wedges(material, heap, axis)
+    except NotMeasurableError as error:
+        no_wedges = str(error)
+        if diameters is not None:
+            raise
+    diameter, unsure = particle_in(heap), _SIZE
+    if diameters is not None:
+        between = np.flatnonzero(np.any(wedges, axis=0).any(axis=0))
+        diameter, unsure = float(np.ptp(between) + 1) / diameters, _KNOWN_SIZE
     angles, parts = {}, {}
     lines: list[Array] = []
 
@@ -93,7 +115,7 @@ def measure_draw_down(picture: Picture) -> DrawDownInPicture:
         name: str, measure: Callable[[float], Inclination], middle: float, base: float
     ) -> None:
         found = measure(diameter)
-        sizes = [measure(factor * diameter).value for factor in (1 - _SIZE, 1 + _SIZE)]
+        sizes = [measure(factor * diameter).value for factor in (1 - unsure, 1 + unsure)]
         angles[name] = found.value
         # A surface that is seen from above or from below looks flatter: tan a' = tan a cos e.
         tangent = math.tan(math.radians(found.value)) / math.cos(math.radians(_ELEVATION))
@@ -105,21 +127,20 @@ def measure_draw_down(picture: Picture) -> DrawDownInPicture:
         }
         for flank in found.flanks:
             ends = np.array([flank.start, flank.end])
-            lines.append(np.column_stack([middle + ends[:, 0], base - ends[:, 1]]))
+            rows = base - ends[:, 1] - _ABOVE * diameter
+            lines.append(np.column_stack([middle + ends[:, 0], rows]))
 
     surface = _surface((heap,), axis, lambda _: floor, diameter)
     keep("angle_of_repose", lambda d: inclination_of_pile(surface, d), axis, floor)
-    no_wedges = ""
-    wedges: tuple[Mask, ...] = ()
-    try:
-        wedges = _wedges(material, heap, axis)
+    if wedges:
         shelf, (low, high) = _shelf(wedges)
         middle = (low + high) / 2
         above = _surface(wedges, middle, shelf, diameter)
         base = float(shelf(np.array([middle]))[0])
-        keep("shear_angle", lambda d: inclination_of_wedges(above, high - low, d), middle, base)
-    except NotMeasurableError as error:
-        no_wedges = str(error)
+        try:
+            keep("shear_angle", lambda d: inclination_of_wedges(above, high - low, d), middle, base)
+        except NotMeasurableError as error:
+            no_wedges = messages.NO_SHEAR_ANGLE(reason=error)
     masks = (heap, *wedges)
     return DrawDownInPicture(picture, angles, parts, masks, tuple(lines), no_wedges)
 
@@ -146,13 +167,14 @@ def _surface(
     ground: Callable[[Array], Array | float],
     diameter: float,
 ) -> HeightMap:
-    """Return the upper outline of material above a ground, as of one slice."""
+    """Return the mean surface of material above a ground, by its outline, as of one slice."""
     material = np.any(masks, axis=0)
     columns = np.flatnonzero(material.any(axis=0))
     every = np.arange(columns[0], columns[-1] + 1)
     tops = np.argmax(material[:, every], axis=0).astype(np.float64)
     x = every + 0.5
-    heights = np.where(material[:, every].any(axis=0), np.maximum(ground(x) - tops, 0.0), 0.0)
+    above = np.maximum(ground(x) - tops - _ABOVE * diameter, 0.0)
+    heights = np.where(material[:, every].any(axis=0), above, 0.0)
     return HeightMap(heights[None], x - middle, _DEPTH * diameter)
 
 

@@ -79,13 +79,17 @@ def _number(angle: float | None) -> str:
     return "–" if angle is None else f"{angle:.2f}"
 
 
-def photo_draw_downs(paths: Sequence[Path], overlays: Path | None) -> PhotographedDrawDowns:
+def photo_draw_downs(
+    paths: Sequence[Path], diameters: float | None, overlays: Path | None
+) -> PhotographedDrawDowns:
     """Measure heap and wedges of draw-downs, one on each picture.
 
     Parameters
     ----------
     paths : sequence of Path
         The pictures.
+    diameters : float, optional
+        Inner width of the box in particle diameters.
     overlays : Path, optional
         Folder for pictures with what was found drawn on them.
 
@@ -96,12 +100,9 @@ def photo_draw_downs(paths: Sequence[Path], overlays: Path | None) -> Photograph
     NotMeasurableError
         None can be measured, and why.
     """
-
-    def draw(picture: Picture, found: DrawDownInPicture | str) -> None:
-        if overlays is not None:
-            _draw(overlays, picture, found)
-
-    pictures, refused = measure_each(paths, measure_draw_down, draw)
+    pictures, refused = measure_each(
+        paths, lambda one: measure_draw_down(one, diameters), _draw, overlays
+    )
     responses: dict[str, Response] = {}
     parts: dict[str, dict[str, float]] = {}
     for name in ("shear_angle", "angle_of_repose"):

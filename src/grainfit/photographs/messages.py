@@ -194,6 +194,16 @@ NO_WEDGES = Message(
     "above it to the left, and in {right} to the right.",
     "Show the whole box, with a plain background behind the slot and behind both wedges.",
 )
+NO_SHEAR_ANGLE = Message(
+    "the wedges have no angle: {reason}",
+    "If the particles are smaller, give their diameter and the width of the box (--diameter, "
+    "--box).",
+)
+BOX_AND_DIAMETER = Message(
+    "is of use with the other only.",
+    "Give the inner width of the box and the diameter of the particles, or neither.",
+)
+BOX_ONLY = Message("is of use for a draw-down only.", "Add --test draw_down, or leave it out.")
 NOT_OF_DRAW_DOWN = Message("is of no use for a draw-down.", "Leave it out.")
 
 # Slopes.

@@ -116,6 +116,8 @@ def photo(
     pictures: PathLike | Sequence[PathLike | Sequence[PathLike]],
     test: Literal["draw_down"],
     *,
+    diameter: str | float | None = ...,
+    box: str | float | None = ...,
     overlays: PathLike | None = ...,
 ) -> PhotographedDrawDowns: ...
 
@@ -151,6 +153,7 @@ def photo(
     diameter: str | float | None = None,
     plate: str | float | None = None,
     elevation: str | float | None = None,
+    box: str | float | None = None,
     drum: str | float | None = None,
     distance: str | float | None = None,
     length: str | float | None = None,
@@ -181,6 +184,8 @@ def photo(
     elevation : str or float, optional
         Of the camera above the horizontal, such as ``"5 deg"``, or in degrees; by the edge of the
         plate or by the foot of the heap if not given.
+    box : str or float, optional
+        Inner width of the box of a draw-down: with `diameter`, how large the particles appear.
     drum : str or float, optional
         Inner diameter of the drum; alone, the angles do not need it.
     distance, length : str or float, optional
@@ -229,9 +234,11 @@ def photo(
         size = drum_size(drum, distance, length)
         return photo_drum(_groups(pictures), size, angle, folder)
     if test == "draw_down":
-        others = {**of_heap, **of_drum, "level": level, "reference": reference}
+        others = {**of_heap, **of_drum, "level": level, "reference": reference, "diameter": None}
         _require_none(others, messages.NOT_OF_DRAW_DOWN)
-        return photo_draw_downs([path for group in _groups(pictures) for path in group], folder)
+        paths = [path for group in _groups(pictures) for path in group]
+        return photo_draw_downs(paths, _ratio(box, diameter), folder)
+    _require_none({"box": box}, messages.BOX_ONLY)
     if test == "slope":
         _require_none({**of_heap, **of_drum}, messages.NOT_OF_SLOPE)
         paths = [path for group in _groups(pictures) for path in group]
@@ -242,6 +249,16 @@ def photo(
     _require_none({"reference": reference}, messages.SLOPE_ONLY)
     known = known_of(diameter, plate, elevation, rectangle)
     return _photo_heaps(pictures, known, points, overlays)
+
+
+def _ratio(box: str | float | None, diameter: str | float | None) -> float | None:
+    """Return the width of a box in particle diameters; None without both."""
+    width, particle = _number("box", box, "m"), _number("diameter", diameter, "m")
+    if width is None and particle is None:
+        return None
+    if width is None or particle is None:
+        raise InputError(messages.BOX_AND_DIAMETER.fault("diameter" if width is None else "box"))
+    return width / particle
 
 
 def drum_size(

@@ -20,7 +20,8 @@ Found = TypeVar("Found")
 def measure_each(
     paths: Sequence[Path],
     measure: Callable[[Picture], Found],
-    draw: Callable[[Picture, Found | str], None],
+    draw: Callable[[Path, Picture, Found | str], None],
+    overlays: Path | None,
 ) -> tuple[list[Found], dict[Path, str]]:
     """Return what was found on each picture, and why others were not measured.
 
@@ -31,7 +32,9 @@ def measure_each(
     measure : callable
         Measures one; raises `NotMeasurableError`.
     draw : callable
-        Draws what was found on one, or writes why it was refused.
+        Draws in a folder what was found on one, or writes why it was refused.
+    overlays : Path, optional
+        That folder; None to draw nothing.
 
     Raises
     ------
@@ -50,7 +53,8 @@ def measure_each(
             measured.append(found)
         except NotMeasurableError as error:
             found = refused[path] = str(error)
-        draw(picture, found)
+        if overlays is not None:
+            draw(overlays, picture, found)
     if not measured:
         reasons = "\n".join(messages.REFUSED(path=p, reason=why) for p, why in refused.items())
         raise NotMeasurableError(

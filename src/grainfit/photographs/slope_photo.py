@@ -100,12 +100,9 @@ def photo_slopes(
     NotMeasurableError
         None can be measured, and why.
     """
-
-    def draw(picture: Picture, found: SlopeInPicture | str) -> None:
-        if overlays is not None:
-            _draw(overlays, picture, found)
-
-    slopes, refused = measure_each(paths, lambda one: measure_slope(one, reference, level), draw)
+    slopes, refused = measure_each(
+        paths, lambda one: measure_slope(one, reference, level), _draw, overlays
+    )
     mean, parts = mean_of_repeats(
         [found.angle for found in slopes], [found.parts for found in slopes], "edge"
     )

@@ -30,7 +30,9 @@ def photo(
     ] = "heap",
     diameter: Annotated[
         str | None,
-        typer.Option(metavar="LENGTH", help='Of the particles, such as "3 mm"; needs --plate.'),
+        typer.Option(
+            metavar="LENGTH", help='Of the particles, such as "3 mm"; needs --plate or --box.'
+        ),
     ] = None,
     plate: Annotated[
         str | None,
@@ -43,6 +45,10 @@ def photo(
             help='Of the camera above the horizontal, such as "5 deg", where neither plate nor '
             "foot tell it.",
         ),
+    ] = None,
+    box: Annotated[
+        str | None,
+        typer.Option(metavar="LENGTH", help="Inner width of the box of a draw-down."),
     ] = None,
     drum: Annotated[
         str | None,
@@ -136,7 +142,7 @@ def photo(
         from grainfit.photographs.photo import photo as measured
 
         line = None if reference is None else _places("reference", reference, 2)
-        known |= {"drum": drum, "distance": distance, "length": length, "level": level}
+        known |= {"box": box, "drum": drum, "distance": distance, "length": length, "level": level}
         known |= {"reference": line, "overlays": overlays}
         found = measured(pictures, test, **known)
     show.print_parts(out, found.summary())
