@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from grainfit.testing.materials import GLASS_BEADS
 from grainfit.which_test.next_test import OpenParameters
 from grainfit.work_folder.predict import Predictions
 
+BEADS = Path(__file__).parents[1] / "docs" / "recorded" / "beads"
 FILE = """\
 name = "my sand"
 [parameters]
@@ -143,6 +146,30 @@ def of_scenes() -> list[Any]:
     return [scene, *shapes, *others, column, box, stage, stage.until, stage.series, *walls.values()]
 
 
+def is_short(shown: str) -> bool:
+    return (
+        len(shown) <= 120 and "\n" not in shown and " object at 0x" not in shown.partition("(")[0]
+    )
+
+
+def reached(one: Any, known: set[int], depth: int = 3) -> Iterator[Any]:
+    """Yield the objects of the package that attributes of an object lead to."""
+    if isinstance(one, dict | list | tuple):
+        parts = list(one.values() if isinstance(one, dict) else one)[:2]
+        for part in parts:
+            yield from reached(part, known, depth)
+    if id(one) in known or not depth or isinstance(one, type) or inspect.isroutine(one):
+        return
+    known.add(id(one))
+    if not (type(one).__module__ or "").startswith("grainfit"):
+        return
+    yield one
+    for name in dir(one):
+        if name[0] != "_":
+            with suppress(Exception):
+                yield from reached(getattr(one, name), known, depth - 1)
+
+
 def test_every_public_object_is_shown_in_one_line(tmp_path: Path) -> None:
     table = tmp_path / "runs.csv"
     table.write_text("friction,angle\n0.1,20\n0.9,40\n")
@@ -155,10 +182,16 @@ def test_every_public_object_is_shown_in_one_line(tmp_path: Path) -> None:
     objects = [*of_calibration(tmp_path), *of_tests(tmp_path), *of_values(), *of_scenes(), *own]
     for one in objects:
         shown = repr(one)
-        assert len(shown) <= 120, shown
-        assert "\n" not in shown
-        assert " object at 0x" not in shown.partition("(")[0], shown
+        assert is_short(shown), shown
         assert type(one).__name__ in shown
+    beads, known = gf.open(BEADS), set[int]()
+    parts = [part for one in [*objects, beads, beads.card()] for part in reached(one, known)]
+    long = {
+        f"{type(part).__module__}.{type(part).__name__}"
+        for part in parts
+        if not is_short(repr(part))
+    }
+    assert long == set()
     rooms = (gf, gf.tests, gf.solvers, gf.scenes)
     public = [getattr(room, name) for room in rooms for name in dir(room)]
     for kind in filter(inspect.isclass, public):

@@ -56,7 +56,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("cards", "plots"),
     ("report",),
     ("opened", "preview", "watch", "atlas_page", "photo_page", "interview"),
-    ("animation", "start_page"),
+    ("animation", "showing", "start_page"),
     ("cli",),
 )
 #: Rooms that nothing imports, and that may import everything.

@@ -52,6 +52,7 @@ from grainfit.problem import Target as Target
 from grainfit.problem import TestScope as TestScope
 from grainfit.report.page import write_report as write_report
 from grainfit.result import Result as Result
+from grainfit.showing import show as show
 from grainfit.solvers.base import Solver as Solver
 from grainfit.solvers.base import Workspace as Workspace
 from grainfit.strategies.answer import Answer as Answer

@@ -18,6 +18,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeAlias, TypeVar
 
+from grainfit.one_line import one_line
+
 #: A note is good to know. A warning says that runs may fail, or that results may mislead.
 Severity = Literal["note", "warning"]
 #: Key of the calibration file, ``""`` where none is concerned, and one line of text.
@@ -65,6 +67,8 @@ class Check(Generic[_AnyContext]):
     find : callable
         Yields keys and texts for a context.
     """
+
+    __repr__ = one_line
 
     name: str
     severity: Severity

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from grainfit.one_line import one_line
+
 #: Keys in the JSON of a definition; parameters of built-in tests are under "material". Both are as
 #: in version 0.1.0, so that identities of runs stay valid across versions.
 _MATERIAL, _PARAMETERS, _SEED, _TEST = "material", "parameters", "seed", "test"
@@ -63,6 +65,8 @@ class RunDefinition:
     >>> RunDefinition.from_json(run.to_json()) == run
     True
     """
+
+    __repr__ = one_line
 
     model: Mapping[str, Any]
     parameters: Mapping[str, float]

@@ -80,13 +80,14 @@ def test_calibrate_shows_its_progress_where_it_is_asked_to(
 
 
 NOTEBOOK = (
-    "import grainfit as gf\n"
+    "import grainfit as gf\nimport tempfile\nfolder = tempfile.mkdtemp()\n"
     "problem = gf.Problem([gf.Parameter('friction', 0.1, 0.9)],"
     " [gf.Target('angle', 30.0, tolerance=0.5)])\n"
     "import time\n"
     "def simulate(at, seed):\n    time.sleep(0.05)\n    return {'angle': 60 * at['friction']}",
-    "result = gf.calibrate(problem, simulate, progress=True, name='<b>beads</b>')",
+    "result = gf.calibrate(problem, simulate, progress=True, name='<b>beads</b>', workdir=folder)",
     "result",
+    "gf.show(folder)",
 )
 
 
@@ -112,3 +113,7 @@ def test_a_notebook_shows_a_bar_and_the_result_as_a_table() -> None:
     assert "<table>" in html
     assert "&lt;b&gt;beads&lt;/b&gt;: calibrated" in html
     assert '<td style="text-align: right">30 ± 0.5</td>' in html
+    tables, *figures = [output.data for output in client.nb.cells[3].outputs]
+    assert "calibrated" in tables["text/html"]
+    assert all("application/vnd.plotly.v1+json" in figure for figure in figures)
+    assert len(figures) == 2

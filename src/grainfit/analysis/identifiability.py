@@ -14,6 +14,7 @@ from scipy.stats import rankdata
 from grainfit.analysis.intervals import parameter_intervals
 from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import ends, number, unit_for_people, with_unit
+from grainfit.one_line import one_line
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
 from grainfit.which_test.determination import DETERMINED, bound_reached, narrowing
@@ -51,6 +52,8 @@ class Direction:
         Whether the narrowing is 0.25 or less.
     """
 
+    __repr__ = one_line
+
     components: dict[str, float]
     narrowing: float
     determined: bool
@@ -72,6 +75,8 @@ class Identifiability:
     further_tests : tuple of str
         Sentences about further bulk tests that would determine the open parameters.
     """
+
+    __repr__ = one_line
 
     directions: tuple[Direction, ...]
     narrowing: dict[str, float]

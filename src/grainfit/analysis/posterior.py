@@ -18,6 +18,7 @@ from grainfit.extras import import_extra
 from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.likelihood import log_density
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.one_line import one_line
 from grainfit.problem import Parameter, Problem
 
 Array = NDArray[np.float64]
@@ -46,6 +47,8 @@ class Posterior:
     chains : ndarray, shape (walkers, steps, d)
         All steps of the walkers of emcee from which the sample is taken, SI.
     """
+
+    __repr__ = one_line
 
     parameters: tuple[Parameter, ...]
     points: Array

@@ -46,6 +46,8 @@ class ResponseScatter:
         Unit of the response.
     """
 
+    __repr__ = one_line
+
     name: str
     values: tuple[float, ...]
     target: Target | None = None

@@ -14,6 +14,7 @@ from grainfit.errors import InputError
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
+from grainfit.one_line import one_line
 
 Array = NDArray[np.float64]
 
@@ -53,6 +54,8 @@ class Sensitivity:
     scopes : tuple of tuple of str
         Parameters that the test of each target depends on; empty if all targets depend on all.
     """
+
+    __repr__ = one_line
 
     names: tuple[str, ...]
     responses: tuple[str, ...]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
+from grainfit.one_line import one_line
 from grainfit.options.kinds import Quantity
 
 
@@ -60,6 +61,8 @@ class ResponseInfo(MeasuredInfo):
         What a value of exactly 0 means, where it is easily taken for another one.
     """
 
+    __repr__ = one_line
+
     example: str
     trials: RecordedTrials | None = None
     lowest: float = -math.inf
@@ -85,6 +88,8 @@ class CurveInfo(MeasuredInfo):
     coordinate, coordinate_unit : str
         Name and SI unit of the coordinate.
     """
+
+    __repr__ = one_line
 
     coordinate: str
     coordinate_unit: str

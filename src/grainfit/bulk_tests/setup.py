@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.one_line import one_line
 from grainfit.options.fields import derived_defaults
 
 
@@ -33,6 +34,8 @@ class Setup:
     test : BulkTest
         The test.
     """
+
+    __repr__ = one_line
 
     def __init__(self, test: HasOptions) -> None:
         self.sizes = test.sizes

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
+from grainfit.one_line import one_line
 
 if TYPE_CHECKING:
     from grainfit.bulk_tests.base import BulkTest
@@ -33,6 +34,8 @@ class OverlapLaw:
         Stiffness numbers and relative excesses, from the softest particles to the stiffest, whose
         excess is zero.
     """
+
+    __repr__ = one_line
 
     symbol: str
     measured: tuple[tuple[float, float], ...]

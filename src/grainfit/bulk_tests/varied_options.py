@@ -9,6 +9,8 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
+from grainfit.one_line import one_line
+
 
 @dataclass(frozen=True)
 class Range:
@@ -90,6 +92,8 @@ class VariedOptions:
     left : tuple of str
         Those of them that keep their own default at every size.
     """
+
+    __repr__ = one_line
 
     size_option: str
     size: Range

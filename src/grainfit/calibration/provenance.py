@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from grainfit.one_line import one_line
+
 
 @dataclass(frozen=True)
 class Provenance:
@@ -26,6 +28,8 @@ class Provenance:
     pictures : mapping of str to mapping of str to str
         Hashes of the photographs that the targets were measured on, by response and file.
     """
+
+    __repr__ = one_line
 
     file: str = ""
     text: str = ""

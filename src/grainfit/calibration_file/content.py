@@ -15,6 +15,7 @@ from grainfit.calibration_file.photographed import PhotographedTarget
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.evaluation import response_name
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.one_line import one_line
 from grainfit.problem import CurveTarget, Parameter, Target
 from grainfit.problem.correlations import Correlation
 from grainfit.strategies.base import Strategy
@@ -70,6 +71,8 @@ class TestSpecification:
         Options that the file gives beside an instrument; None without one, where it gives all.
     """
 
+    __repr__ = one_line
+
     # Keeps pytest from taking it for a class of tests.
     __test__: ClassVar[bool] = False
 
@@ -114,6 +117,8 @@ class SearchOptions(CalibrationOptions):
         Whether the search begins where the atlas expects the answer.
     """
 
+    __repr__ = one_line
+
     strategy: Strategy = field(default_factory=Sequential)
     rayleigh_weight: float | None = None
     softer: float | None = None
@@ -157,6 +162,8 @@ class CalibrationFile:
     photographs : tuple of PhotographedTarget
         What was measured on the photographs of each target.
     """
+
+    __repr__ = one_line
 
     name: str
     path: Path

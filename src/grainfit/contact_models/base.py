@@ -29,6 +29,7 @@ from grainfit.contact_models.contact import Contact, Springs
 from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.walls import same_on_walls
+from grainfit.one_line import one_line
 
 #: Share of the safe time step that is safe for cohesive beds too, whose particles overlap by at
 #: most `LARGEST_OVERLAP` without a load: their contacts are stiffer, and more in number.
@@ -119,6 +120,8 @@ class ContactModel:
         Attraction of a contact, of models of cohesion.
     """
 
+    __repr__ = one_line
+
     name: str
     kind: Kind
     parameters: tuple[MaterialParameter, ...]
@@ -196,6 +199,8 @@ class ContactLaw:
     models : tuple of ContactModel
         One of each kind, in the order of `KINDS`.
     """
+
+    __repr__ = one_line
 
     models: tuple[ContactModel, ...]
 

@@ -8,6 +8,7 @@ from typing import ClassVar, Generic, TypeVar
 
 from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
+from grainfit.one_line import one_line
 
 Value = TypeVar("Value")
 
@@ -26,6 +27,8 @@ class LiggghtsKeywords(SolverKeywords):
     dashpot_difference : str
         See `SolverKeywords`.
     """
+
+    __repr__ = one_line
 
     solver: ClassVar[str] = "liggghts"
     model: str

@@ -12,6 +12,7 @@ from typing import ClassVar, NamedTuple
 
 from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
+from grainfit.one_line import one_line
 
 
 class YadeArgument(NamedTuple):
@@ -36,6 +37,8 @@ class YadeKeywords(SolverKeywords, ABC):
     Without a ``MatchMaker``, a functor has one number for all contacts: that of two equal
     particles of mean size. Decks and cards write those of walls into the contacts themselves.
     """
+
+    __repr__ = one_line
 
     solver: ClassVar[str] = "yade"
     #: Of a model of normal and tangential force.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from grainfit.errors import InputError
 from grainfit.evaluation import messages
@@ -56,6 +56,12 @@ class Curve:
     coordinates: Sequence[float]
     values: Sequence[float]
     stays: bool = False
+
+    if TYPE_CHECKING:
+        # Arrays are read: attributes are sequences of numbers.
+        def __init__(
+            self, coordinates: Iterable[float], values: Iterable[float], stays: bool = False
+        ) -> None: ...
 
     def __repr__(self) -> str:
         return f"Curve({len(self.coordinates)} points, stays={self.stays})"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.one_line import one_line
 from grainfit.verdict.messages import STATUS_WORDS
 
 Origin = Literal["calibrated", "not calibrated", "measured", "given"]
@@ -33,6 +34,8 @@ class CardParameter:
     bias : str
         Reason why the value is biased, as far as one is known.
     """
+
+    __repr__ = one_line
 
     name: str
     symbol: str
@@ -68,6 +71,8 @@ class CardResponse:
     verified_mean : float, optional
         Mean of the runs with fresh seeds at the answer, an independent check.
     """
+
+    __repr__ = one_line
 
     name: str
     unit: str

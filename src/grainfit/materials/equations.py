@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from grainfit.one_line import one_line
+
 #: Symbols of the motion of two bodies 1 and 2.
 SYMBOLS = {
     "R": "radius of a body, infinite of a wall",
@@ -41,6 +43,8 @@ class Equation:
     remark : str
         Conditions, and the meaning of symbols that are in no other place (``"h: a number"``).
     """
+
+    __repr__ = one_line
 
     term: str
     formula: str

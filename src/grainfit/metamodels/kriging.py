@@ -44,6 +44,7 @@ from grainfit.metamodels.predictor import (
     Trend,
 )
 from grainfit.metamodels.relative_prior import RATIOS, RelativeModel, RelativePrior
+from grainfit.one_line import one_line
 
 _MINIMUM_RUNS = 3
 _LARGEST_BLOCK = 4096
@@ -100,6 +101,8 @@ class Kriging:
     >>> bool(abs(metamodel.predict([[0.33]]).mean[0] - math.sin(0.99)) < 1e-3)
     True
     """
+
+    __repr__ = one_line
 
     def __init__(
         self,

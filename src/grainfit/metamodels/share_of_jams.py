@@ -15,6 +15,7 @@ from scipy.spatial.distance import cdist
 from scipy.special import softmax
 
 from grainfit.metamodels.predictor import FloatArray
+from grainfit.one_line import one_line
 
 #: Reaches of a run, per root of the dimension: one share everywhere, or ever smaller regions.
 _REACHES = np.array([np.inf, 0.5, 0.25, 0.12, 0.06])
@@ -39,6 +40,8 @@ class ShareOfJams:
     Goetschalckx, Poupart & Hoey (2011), "Continuous correlated Beta processes", IJCAI: a Beta
     distribution whose counts are weighted with a kernel.
     """
+
+    __repr__ = one_line
 
     def __init__(self, points: FloatArray, is_jam: NDArray[np.bool_]) -> None:
         self._points = points

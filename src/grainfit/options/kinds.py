@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from grainfit.one_line import one_line
 from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, example_with, how_to_write, to_unit
 from grainfit.validation import is_computable
@@ -184,6 +185,8 @@ class Quantity(Kind):
     why : str
         Why nothing else is possible, as a sentence.
     """
+
+    __repr__ = one_line
 
     unit: str | None
     lowest: float = -math.inf

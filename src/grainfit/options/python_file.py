@@ -15,6 +15,7 @@ from typing import Any
 
 from grainfit.errors import Fault, InputError
 from grainfit.files import LARGEST_PYTHON_FILE, TooLargeError, read_within
+from grainfit.one_line import one_line
 
 
 class PythonFile:
@@ -32,6 +33,8 @@ class PythonFile:
     InputError
         The reference has another form.
     """
+
+    __repr__ = one_line
 
     def __init__(self, reference: str, folder: Path | None = None) -> None:
         path, colon, function = reference.rpartition(":")

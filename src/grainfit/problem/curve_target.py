@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,6 +88,22 @@ class CurveTarget:
     unit: str = ""
     coordinate_unit: str = ""
     coordinate: str = ""
+
+    if TYPE_CHECKING:
+        # Arrays are read: attributes are sequences of numbers.
+        def __init__(
+            self,
+            name: str,
+            coordinates: Sequence[float] | Array,
+            values: Sequence[float] | Array,
+            uncertainty: float | str | Sequence[float] | Array | None = None,
+            systematic: float | str | Sequence[float] | Array = 0.0,
+            tolerance: float | str | Sequence[float] | Array | None = None,
+            covariance: ArrayLike | None = None,
+            unit: str = "",
+            coordinate_unit: str = "",
+            coordinate: str = "",
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         if not self.name or not isinstance(self.name, str):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError
@@ -61,6 +61,19 @@ class Parameter:
     unit: str = ""
     measured: float | None = None
     uncertainty: float | None = None
+
+    if TYPE_CHECKING:
+        # Quantities are read: attributes are numbers.
+        def __init__(
+            self,
+            name: str,
+            minimum: float | str,
+            maximum: float | str,
+            scale: Scale = "linear",
+            unit: str = "",
+            measured: float | str | None = None,
+            uncertainty: float | str | None = None,
+        ) -> None: ...
 
     @classmethod
     def from_angle(cls, name: str, angle: float | str, uncertainty: float | str) -> Parameter:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import short_repr
@@ -68,6 +68,19 @@ class Target:
     unit: str = ""
     statistic: Statistic = "mean"
 
+    if TYPE_CHECKING:
+        # Quantities are read: attributes are numbers.
+        def __init__(
+            self,
+            name: str,
+            value: float | str,
+            uncertainty: float | str | None = None,
+            tolerance: float | str | None = None,
+            weight: float = 1.0,
+            unit: str = "",
+            statistic: Statistic = "mean",
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         read_quantities(self, {"value": "value"})
         _require_shares(self)
@@ -122,7 +135,7 @@ class Target:
             name,
             repeats.value,
             uncertainty=repeats.uncertainty,
-            tolerance=repeats.tolerance if tolerance is None else tolerance,  # type: ignore[arg-type]
+            tolerance=repeats.tolerance if tolerance is None else tolerance,
             weight=weight,
             unit=repeats.unit,
             statistic=statistic,

@@ -15,6 +15,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
+from grainfit.one_line import one_line
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict import messages
 from grainfit.verdict.holdout import HoldoutVerdict
@@ -42,6 +43,8 @@ class Registration:
     changed : str
         When other targets were registered last, ISO 8601 in UTC; empty if never.
     """
+
+    __repr__ = one_line
 
     date: str
     runs: int
@@ -75,6 +78,8 @@ class HoldoutResponse:
     verdict : {"predicts", "does not predict", "does not tell"}, optional
         None without a measured value.
     """
+
+    __repr__ = one_line
 
     unit: str
     predicted: float
@@ -136,6 +141,8 @@ class HoldoutResult:
     why : str
         Reason where it failed.
     """
+
+    __repr__ = one_line
 
     test: str
     state: HoldoutState

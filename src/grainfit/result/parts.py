@@ -19,6 +19,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.materials.card import Determination
+from grainfit.one_line import one_line
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.rule import Verdict
 
@@ -61,6 +62,8 @@ class ResponseResult:
         Largest share of jammed runs that as many runs without a jam do not exclude, with a
         confidence of 95 %: ``1 - 0.05 ** (1 / n)``. None where a run jammed.
     """
+
+    __repr__ = one_line
 
     target: float
     tolerance: float
@@ -121,6 +124,8 @@ class CurveResult:
         Mean curve of at least two fresh seeds at the measured points, and its standard errors;
         empty for fewer.
     """
+
+    __repr__ = one_line
 
     coordinate: str
     coordinate_unit: str
@@ -184,6 +189,8 @@ class ParameterInterval:
         Reason why the value is biased, as far as one is known.
     """
 
+    __repr__ = one_line
+
     low: float
     high: float
     determination: Determination
@@ -242,6 +249,8 @@ class YieldLocus:
         Slope of the line, degrees.
     """
 
+    __repr__ = one_line
+
     normal_stresses: tuple[float, ...]
     shear_stresses: tuple[Response, ...]
     cohesion: Response
@@ -268,6 +277,8 @@ class YieldLocusResult:
     expected : YieldLocus, optional
         By the responses expected at the answer; None without an answer.
     """
+
+    __repr__ = one_line
 
     tests: tuple[str, ...]
     measured: YieldLocus
@@ -316,6 +327,8 @@ class RunCounts:
 class RunSummary:
     """One parameter set that was simulated."""
 
+    __repr__ = one_line
+
     stage: str
     parameters: Mapping[str, float]
     seed: int
@@ -346,6 +359,8 @@ class MetamodelQuality:
     part : str
         The part of a curve that it is about, in words; empty for a response.
     """
+
+    __repr__ = one_line
 
     q2: float | None
     coverage: float

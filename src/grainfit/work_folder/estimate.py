@@ -136,7 +136,7 @@ def estimate_of_heap(
         ("angle_of_repose", _read("--angle", angle, "deg"), "deg", "1 deg"),
     )
     targets = [
-        Target(name, value, uncertainty=error, unit=unit)  # type: ignore[arg-type]
+        Target(name, value, uncertainty=error, unit=unit)
         for name, value, unit, error in measured
         if value
     ]

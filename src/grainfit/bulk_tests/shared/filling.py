@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from grainfit.bulk_tests.shared import messages
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.one_line import one_line
 from grainfit.scenes.conditions import AtRest
 from grainfit.scenes.packing import (
     MOST_PARTICLES,
@@ -56,6 +57,8 @@ class Filling:
     check_interval : float
         Simulated time between two checks of the kinetic energy.
     """
+
+    __repr__ = one_line
 
     particle_count: int
     column_height: float

@@ -28,6 +28,7 @@ from grainfit.evaluation import (
     names_of_tests,
     tests_asked,
 )
+from grainfit.one_line import one_line
 from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
@@ -58,6 +59,8 @@ class RunRecord:
         Source of a run that was not executed here: another store, without its password, or an
         imported table.
     """
+
+    __repr__ = one_line
 
     identity: str
     test: str
