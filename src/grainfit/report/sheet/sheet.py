@@ -184,7 +184,7 @@ class _Sheet:
         lines += [_paragraph(_safe(words), _SMALL) for words in said]
         if not self._card.calibrated:
             lines.append(_paragraph(f"<b>{_safe(messages.NOT_TO_BE_USED())}</b>", _SMALL))
-        table = Table([[lines]], colWidths=[_WIDTH])
+        table = Table([[lines]], colWidths=[_WIDTH], hAlign="LEFT")
         table.setStyle(
             TableStyle(
                 [
@@ -423,7 +423,7 @@ def _facts(facts: Iterable[tuple[str, str]], style: ParagraphStyle = _TEXT) -> T
 
 
 def _table(rows: Sequence[Sequence[Any]], shares: Sequence[float], *, lines: bool = True) -> Table:
-    table = Table(rows, colWidths=[share * _WIDTH for share in shares])
+    table = Table(rows, colWidths=[share * _WIDTH for share in shares], hAlign="LEFT")
     style: list[tuple[Any, ...]] = [
         ("VALIGN", (0, 0), (-1, -1), "TOP"),
         ("LEFTPADDING", (0, 0), (-1, -1), 0),
