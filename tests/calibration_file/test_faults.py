@@ -552,7 +552,7 @@ WALL = "\n[wall]\n"
         # what grainfit decides itself
         (f'{CLUSTER}options = ["--time=9"]', "options", "--time=9", "walltime"),
         (f'{CLUSTER}options = ["--arr=1-9"]', "options", "--arr=1-9", "Remove it"),
-        (f"{CLUSTER}parallelism = 1", "parallelism", "", "runs_per_job"),
+        (f"{CLUSTER}runs_per_node = 1", "runs_per_node", "", "runs_per_job"),
         # a Parsl configuration of one's own
         ('parsl = "config"', "parsl", "config", "my_parsl.py:config"),
         ('parsl = "my_parsl.py:config"', "parsl", "my_parsl.py", "no such file"),

@@ -169,7 +169,7 @@ def completed(words: str, folder: Path) -> list[str]:
 
 
 def test_bash_completes_commands_runs_parameters_and_materials(sand: Path) -> None:
-    assert completed("grainfit st", sand) == ["status", "stiffness"]
+    assert completed("grainfit st", sand) == ["start", "status", "stiffness"]
     with contextlib.chdir(sand):
         listed = grainfit("runs", "list", "sand.grainfit").stdout
     runs = sorted(re.findall(r"^[0-9a-f]{7}\b", listed, re.M))

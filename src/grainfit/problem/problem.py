@@ -211,8 +211,8 @@ class Problem:
 
         Parameters
         ----------
-        covariance : array_like, shape (targets, targets)
-            In the order and the units of the targets. It replaces their uncertainties, and
+        covariance : array_like, shape (n, n)
+            Of the n targets, in their order and units. It replaces their uncertainties, and
             tolerances that were the default.
 
         Raises
