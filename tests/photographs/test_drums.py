@@ -35,6 +35,7 @@ from grainfit.photographs.drum_circle import DrumCircle
 from grainfit.photographs.drum_surface import (
     _heights,
     inclination_of,
+    learn_colours,
     places,
     without_perspective,
 )
@@ -214,6 +215,20 @@ def _profile() -> NDArray[np.float64]:
     """Surface of a bed that is bent: steep in the middle, flat at its ends, in radii."""
     x = places()
     return -0.1 + 0.12 * np.tanh(3 * x)
+
+
+def test_the_drum_is_found_within_a_rim_that_stands_out_more(
+    shot: DrumShot, frames: Frames
+) -> None:
+    half = shot.rim * shot.share * shot.size[1] / 2
+    rim = DrumCircle((159.5, 119.5), half, half, 0.0)
+    known = learn_colours(frames[:3], rim)
+
+    assert not known.fits(frames[0], rim)
+    share = known.reach(frames[:3], rim)
+    assert share == pytest.approx(1 / shot.rim, abs=0.06)
+    drum = rim.scaled(share)
+    assert learn_colours(frames[:3], drum).fits(frames[0], drum)
 
 
 def test_the_bed_does_not_follow_the_line_along_which_it_is_looked_for() -> None:

@@ -352,7 +352,9 @@ def _bed_of(frames: Sequence[Colours]) -> tuple[BedColours, DrumCircle]:
         # The mean of a camera that moves shows no circle.
         circles = circles_in(frames[0])
     reason: NotMeasurableError | None = None
-    for circle in circles:
+    within_rim = False
+    while circles:
+        circle = circles.pop(0)
         if not is_steady(circle, [frames[0], frames[len(frames) // 2], frames[-1]]):
             reason = reason or NotMeasurableError(messages.CAMERA_MOVES())
             continue
@@ -362,9 +364,13 @@ def _bed_of(frames: Sequence[Colours]) -> tuple[BedColours, DrumCircle]:
         except NotMeasurableError as error:
             reason = reason or error
             continue
-        if not known.fits(frames[0], circle):
-            continue
-        return known, circle
+        if known.fits(frames[0], circle):
+            return known, circle
+        share = known.reach(frames[:: max(1, len(frames) // 3)], circle)
+        if share is not None and not circles and not within_rim:
+            # The inner edge of the rim stands out less than its outer one.
+            circles.append(circle.scaled(share))
+            within_rim = True
     raise reason or NotMeasurableError(messages.NO_SURFACE())
 
 

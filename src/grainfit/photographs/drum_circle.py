@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +109,10 @@ class DrumCircle:
         """Return columns and rows along the circle, or one of so many times its radius."""
         turn = np.linspace(0, 2 * math.pi, _RAYS, endpoint=False)
         return self.to_picture(factor * np.column_stack([np.cos(turn), np.sin(turn)]))
+
+    def scaled(self, share: float) -> DrumCircle:
+        """Return a circle about the same middle, of a share of its radius."""
+        return replace(self, half=share * self.half, depth=share * self.depth)
 
     def is_as(self, other: DrumCircle, share: float) -> bool:
         """Return whether another circle is the same one, within a share of the radius."""

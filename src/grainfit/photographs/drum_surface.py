@@ -39,6 +39,9 @@ _MARGINS = (0.12, 0.05)
 _CONTRAST = 1.8
 #: Ring within a circle, over its radius, whose colours are those within it, and by how much.
 _RING, _LIKE_WITHIN = (0.9, 0.95), 0.2
+#: Shares of the circle of a rim at which bed and empty drum may end, from the outermost, half the
+#: width of a ring, and the share of the agreement within that it must have.
+_REACHES, _RING_WIDTH, _HALF = (0.97, 0.7, -0.01), 0.008, 0.5
 #: Most of what is above the surface that may look like the bed.
 _SPECKS = 0.15
 #: Ends of the surface at which no height is measured, in radii from the middle, and its distance
@@ -92,6 +95,20 @@ class BedColours:
         found[~_disc(RADIUS, _SIZE)] = 0
         smooth: Floats = opencv().GaussianBlur(found, (0, 0), 1.2)
         return smooth
+
+    def reach(self, frames: Sequence[Colours], circle: DrumCircle) -> float | None:
+        """Return the share of a circle to which bed and empty drum reach within a rim, if any."""
+        x = places()
+        distance = np.hypot(*np.meshgrid(x, x))
+        each = [self.likely(frame, circle) for frame in frames]
+        # Positive where a colour is that of its side of the surface.
+        agreed = np.mean([np.where(-x[:, None] < _heights(one), one, -one) for one in each], axis=0)
+        rings = np.arange(*_REACHES)
+        inside = float(agreed[distance < rings[-1]].mean())
+        like = [
+            agreed[np.abs(distance - ring) < _RING_WIDTH].mean() > _HALF * inside for ring in rings
+        ]
+        return float(rings[like.index(True)]) if inside > 0 and any(like) else None
 
     def fits(self, colours: Colours, circle: DrumCircle) -> bool:
         """Return whether bed and empty drum reach to a circle: it is not the outer one of a rim."""
