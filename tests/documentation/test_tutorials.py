@@ -16,7 +16,9 @@ import pytest
 from pages_of_tutorials import ROOT, marked_blocks
 from typer.testing import CliRunner
 
+import grainfit as gf
 from grainfit.cli.app import app
+from grainfit.report.sections.photographs.comparison import compared
 from grainfit.solvers.registry import DEM_PROGRAMS
 from tests.photographs.drawn_pictures import cone
 from tests.photographs.rendered_pictures import Shot, save
@@ -123,3 +125,44 @@ def test_photographs_are_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
     assert names["found"].angle_of_repose.value == pytest.approx(25.0, abs=1.0)
     assert "targets.angle_of_repose" in printed.getvalue()
+
+
+@pytest.mark.skipif(
+    shutil.which("liggghts") is None, reason="LIGGGHTS is not installed: apt-get install liggghts"
+)
+def test_photographs_video_and_records_become_a_material(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    example, recorded = ROOT / "examples" / "phone", ROOT / "docs" / "recorded"
+    sheet, targets, check, export = marked_blocks("tutorials/phone.md")
+    page = (ROOT / "docs" / "tutorials" / "phone.md").read_text(encoding="utf-8")
+    lines = (example / "calibration.toml").read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if line.startswith("targets.")] == targets.text.splitlines()
+
+    monkeypatch.chdir(Path(shutil.copytree(example, tmp_path / "phone")))
+    run_commands(sheet.text)
+    assert Path("sheet.pdf").read_bytes().startswith(b"%PDF")
+    printed = run_commands(check.text)
+    assert "pictures: 5, heaps: 1" in printed
+    # What was photographed, filmed and weighed; a heap of three sides is known within 0.7 degrees.
+    for pattern, truth, error in (
+        (r"angle_of_repose: ([\d.]+) ±", 22.76, 1.4),
+        (r"dynamic angle: ([\d.]+) ±", 42.03, 1.9),
+        (r"discharge.mass_flow +([\d.]+) kg/s", 0.02345, 0.0003),
+    ):
+        (found,) = re.findall(pattern, printed)
+        assert float(found) == pytest.approx(truth, abs=error)
+
+    monkeypatch.chdir(Path(shutil.copytree(recorded, tmp_path / "recorded")))
+    run_commands(export.text)
+    assert "coefficientFriction" in Path("pellets.liggghts").read_text(encoding="utf-8")
+    saved = gf.open("phone")
+    assert all(f"{value:.4g}" in page for value in saved.result.parameters.values())
+    intervals = saved.result.intervals
+    for name, truth in (("sliding", 0.45), ("rolling", 0.2)):
+        interval = intervals[f"particle_particle.{name}_friction"]
+        assert interval.low <= truth <= interval.high
+    # Neither originals nor runs are there.
+    (shown,) = compared(saved)
+    assert len(shown.gone) == len(shown.pictures) == 5
+    assert all(picture.image and picture.simulated for picture in shown.pictures)
