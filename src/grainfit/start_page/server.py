@@ -48,6 +48,7 @@ class StartServer(LocalServer):
         self.path = path
         self._solver = solver
         self._editing, self._asking = threading.Lock(), threading.Lock()
+        self._following = threading.Lock()
         self._run: RunProcess | None = None
         self._watch: WatchServer | None = None
 
@@ -178,9 +179,10 @@ class StartServer(LocalServer):
 
     def _run_state(self) -> State:
         folder = self.work_folder
-        if self._watch is None and (self._run is not None or (folder / STORE_NAME).exists()):
-            self._watch = WatchServer(folder, listen(0))
-            self._watch.serve()
+        with self._following:
+            if self._watch is None and (self._run is not None or (folder / STORE_NAME).exists()):
+                self._watch = WatchServer(folder, listen(0))
+                self._watch.serve()
         return {
             "watch": self._watch.address if self._watch else "",
             "folder": str(folder),
