@@ -11,11 +11,11 @@ set +a
 qdel -f -u '*' >/dev/null 2>&1
 qconf -ke all >/dev/null 2>&1
 qconf -km >/dev/null 2>&1
-for _ in $(seq 50); do
-    pgrep -f "^sge_(qmaster|execd)" >/dev/null || break
-    sleep 0.1
-done
-for pid in "$folder"/qmaster/qmaster.pid "$folder"/execd/*/execd.pid; do
-    [ -e "$pid" ] && kill "$(cat "$pid")" 2>/dev/null
+# They end by themselves within a second or two.
+for file in "$folder"/qmaster/qmaster.pid "$folder"/execd/*/execd.pid; do
+    [ -e "$file" ] || continue
+    pid=$(cat "$file")
+    for _ in $(seq 50); do [ -e "/proc/$pid/exe" ] && sleep 0.2 || break; done
+    kill "$pid" 2>/dev/null
 done
 exit 0
