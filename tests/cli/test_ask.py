@@ -69,6 +69,8 @@ def test_ctrl_c_on_a_terminal_keeps_the_answers(tmp_path: Path) -> None:
         stdout=follower,
         stderr=follower,
         start_new_session=True,
+        # As in a terminal, whatever the tests were started with.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     os.close(follower)
     try:

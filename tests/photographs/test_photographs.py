@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.cli.app import app
+from grainfit.errors import NotMeasurableError
 from grainfit.photographs import messages
 from grainfit.photographs.camera import apparent_angle, true_angle
 from tests.photographs.drawn_pictures import cone, unusable, usable
@@ -136,6 +137,12 @@ def test_plate_and_particles_give_lengths(pale: tuple[Path, Shot]) -> None:
     assert found.diameter * found.scale == pytest.approx(0.010)
     with pytest.raises(gf.InputError, match="plate"):
         gf.photo(pale[0], diameter="10 mm")
+
+
+def test_particles_as_large_as_their_heap_are_refused(pale: tuple[Path, Shot]) -> None:
+    with pytest.raises(NotMeasurableError) as caught:
+        gf.photo(pale[0], plate="620 mm", diameter="400 mm")
+    assert messages.COARSE.is_in(str(caught.value))
 
 
 def test_pictures_in_a_folder_show_one_heap(pale: tuple[Path, Shot], tmp_path: Path) -> None:

@@ -463,6 +463,8 @@ def _angle(
     elevation = camera.elevation(apex)
     # Height of the apex above the plate below it, in perspective.
     e, drop = math.radians(elevation), level - top
+    if drop <= diameter:
+        raise NotMeasurableError(messages.COARSE(height=drop + diameter / 2, diameter=diameter))
     scale = _turned_focal(camera, apex)
     tall = scale * drop / (scale * math.cos(e) - drop * math.sin(e))
     if drawn_axis is None:

@@ -39,6 +39,11 @@ SMALL = Message(
     "Go nearer, or zoom in.",
 )
 
+COARSE = Message(
+    "the heap is {height:.0f} pixels high, and its particles are {diameter:.0f} pixels large, as "
+    "given or by the roughness of its outline: it has no flanks.",
+    "Photograph a heap of more particles.",
+)
 WIDE_FOOT = Message(
     "what was found is {factor:.1f} times as wide as its flanks, and at most {most:g} times are "
     "those of a heap: a plate, a shadow or scattered particles belong to it.",
