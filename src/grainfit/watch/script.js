@@ -110,10 +110,11 @@
     );
   const named = (row) =>
     row.words === row.name ? row.words : make("abbr", { title: row.name }, row.words);
-  const unit = (text, sign) =>
-    text
-      ? make("span", { class: "watch-number" }, sign ? `${text}${sign === "°" ? "" : " "}${sign}` : text)
-      : text;
+  // A long number may break before its error, and nowhere else.
+  const unit = (text, sign) => {
+    const whole = sign ? `${text}${sign === "°" ? "" : "\u00a0"}${sign}` : text;
+    return text ? whole.replace(" ± ", " ±\u00a0") : text;
+  };
   const GRADES = { met: "good", "in doubt": "warn", missed: "bad" };
   const SIGNS = { met: "✓ ", "in doubt": "? ", missed: "✗ " };
   const judged = (text) => {
