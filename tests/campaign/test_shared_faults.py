@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Literal
 
 import pytest
+import sqlalchemy as sql
 
 import grainfit as gf
 from grainfit.calibration import calibrate as calibration
@@ -300,6 +301,31 @@ def evaluate(
             evaluations = campaign.wait()
         campaign.close()
     return evaluations[0]
+
+
+@pytest.mark.usefixtures("soon_silent")
+def test_an_interrupt_is_not_lost_when_its_transaction_cannot_be_rolled_back(
+    server: PostgresqlServer, forwarder: TcpForwarder
+) -> None:
+    def interrupt(_connection: object, _name: str) -> None:
+        forwarder.swallows = True
+        raise KeyboardInterrupt
+
+    store = RunStore(server.url_at(forwarder.port))
+    record = RunRecord("interrupted", "drum", "running", RunDefinition({}, {}, 1))
+    sql.event.listen(sql.Engine, "savepoint", interrupt)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            store.claim(record, "somebody")
+    finally:
+        sql.event.remove(sql.Engine, "savepoint", interrupt)
+    # What is done after an interrupt fails by its own cause.
+    try:
+        raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        with pytest.raises(StoreUnreachableError):
+            store.claim(record, "somebody")
+    store.close()
 
 
 @pytest.mark.parametrize("end", ["finished", "failed"])

@@ -7,6 +7,7 @@ requested. Any later calibration that needs the same run therefore finds it.
 from __future__ import annotations
 
 import sqlite3
+import sys
 import threading
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -260,9 +261,12 @@ class RunStore:
 
     @contextmanager
     def _named_errors(self) -> Iterator[None]:
+        handled = sys.exception()
         try:
             yield
         except SQLAlchemyError as error:
+            if interrupt := _interrupt_before(error, handled):
+                raise interrupt from None
             self._require_file()
             cause = getattr(error, "orig", None) or error
             known = str(error) == self._address.without_secrets(str(error))
@@ -679,6 +683,20 @@ def _row(record: RunRecord) -> dict[str, Any]:
 
 def _claimed_by(owner: str) -> sql.ColumnElement[bool]:
     return sql.and_(_runs.c.status == "running", _runs.c.owner == owner)
+
+
+def _interrupt_before(
+    error: BaseException | None, handled: BaseException | None
+) -> KeyboardInterrupt | None:
+    """Return the interrupt for whose sake a transaction was to be rolled back, which failed.
+
+    One that was being handled before the transaction began is none.
+    """
+    while error is not None and error is not handled:
+        if isinstance(error, KeyboardInterrupt):
+            return error
+        error = error.__cause__ or error.__context__
+    return None
 
 
 def _may_come_back(error: SQLAlchemyError) -> bool:
