@@ -25,7 +25,7 @@ class Range:
 
     Examples
     --------
-    >>> float(Range(0.1, 10.0, power=0).share(1.0))
+    >>> round(float(Range(0.1, 10.0, power=0).share(1.0)), 9)
     0.5
     >>> Range(1.0, 3.0).at(0.5)
     2.0
