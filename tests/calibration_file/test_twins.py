@@ -6,6 +6,7 @@ import json
 import math
 import sqlite3
 from dataclasses import replace
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from grainfit.calibration_file import messages
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.app import app
 from grainfit.errors import InputError
+from grainfit.report import messages as of_pages
 from grainfit.report import verdict_messages as of_report
 from grainfit.verdict import messages as of_verdict
 from grainfit.verdict.full_size import probability_within, status_at_full_size
@@ -106,6 +108,8 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     assert of_report.PREDICTED() in report
     assert "Test packing: " in report
     assert "Test packing, smaller in the search: " in report
+    # The target of a picture is what the smaller apparatus would give.
+    assert of_pages.AT_THIS_SIZE.is_in(unescape(_line_with("measured: <strong>", report)))
     card = json.loads(CliRunner().invoke(app, ["export", "pot.grainfit", "--to", "json"]).stdout)
     assert card["status"] == "predicted"
     apparatus = dict(line.split(": ", 1) for line in card["apparatus"])
@@ -123,6 +127,10 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     # The run is known: no start makes it, or forgets it, again.
     assert setup.calibrate().status == "calibrated"
     assert gf.open("pot.grainfit").state == "calibrated"
+
+
+def _line_with(words: str, text: str) -> str:
+    return next(line for line in text.splitlines() if words in line)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from grainfit.messages import Message
 CANNOT_BE_WRITTEN = Message(
     "the report {path!r} cannot be written: {reason}.", "Choose another place with --output."
 )
+AT_THIS_SIZE = Message("{here} in this smaller apparatus, {real} in the laboratory's")
 
 # The customer's sheet.
 SHEET_CANNOT_BE_WRITTEN = Message(

@@ -14,7 +14,9 @@ from grainfit.report.rendering import script_json
 from grainfit.report.sections.particles.drawn_scenes import scene_of
 from grainfit.report.sections.particles.shown_runs import (
     ShownRun,
+    at_simulated_size,
     first_readable,
+    measured,
     picture,
     shown_runs,
 )
@@ -133,5 +135,6 @@ def _captions(run: ShownRun, saved: SavedCalibration) -> Iterator[str]:
     yield f"Run {run.number}: {name} {with_unit(number(run.value, 3), unit)}"
     for target in saved.problem.targets:
         if target.name == run.response:
-            shown = with_unit(number(target.value, 6), unit_for_people(target.unit))
+            here = at_simulated_size(target, saved.problem)
+            shown = measured(here, saved.problem, unit_for_people(target.unit))
             yield f"measured {shown}"

@@ -21,6 +21,7 @@ from grainfit.report.sections.particles.shown_runs import (
     ShownRun,
     at_corners,
     first_readable,
+    measured,
     picture,
     runs_to_show,
     shown_response,
@@ -113,38 +114,39 @@ def seen_test(context: ReportContext, runs: list[ShownRun]) -> tuple[SeenTest, R
         noun=runs[0].shown.noun if runs else "particles",
         response=shown_response(runs),
         words=words,
-        target="" if target is None else _with_unit(runs, target, target.value, 6),
+        target=""
+        if target is None
+        else measured(target, context.reading.problem, _unit(runs, target)),
         chosen=len(context.parameters) > _NAMED,
     )
     if found is None:
         images = (picture(run) for run in candidates[:5])
         return replace(seen, picture=next((image for image in images if image), None)), None
     run, view = found
-    value = _with_unit([run], target, run.value, 3)
+    value = with_unit(number(run.value, 3), _unit([run], target))
     return replace(_with_particles(seen, run, view, target), value=value), view
 
 
 def _with_particles(
     seen: SeenTest, run: ShownRun, view: RunView, target: Target | None
 ) -> SeenTest:
-    measured = view.measured_drawing(None if target is None else target.value)
+    drawn = view.measured_drawing(None if target is None else target.value)
     top = float((view.particles.positions[:, 2] + view.particles.radii).max())
     return replace(
         seen,
         words=f"{seen.words}: run {run.number}",
-        measured=measured.words,
-        drawing=measured.drawing,
+        measured=drawn.words,
+        drawing=drawn.drawing,
         particles=len(view.particles),
         height=_length(top),
     )
 
 
-def _with_unit(runs: list[ShownRun], target: Target | None, value: float, digits: int) -> str:
-    """The value of the response shown, with its unit: that of the test, else of the target."""
+def _unit(runs: list[ShownRun], target: Target | None) -> str:
+    """The unit of the response shown: that of the test, else of the target."""
     test = class_of_test(runs[0].record.definition) if runs else None
     info = test.responses.get(runs[0].shown.response) if test else None
-    unit = info.unit if info else target.unit if target else ""
-    return with_unit(number(value, digits), unit_for_people(unit))
+    return unit_for_people(info.unit if info else target.unit if target else "")
 
 
 def _strip(
@@ -160,8 +162,8 @@ def _strip(
             StripRun(
                 key=f"{key}-run-{position}",
                 number=run.number,
-                value=_with_unit([run], target, run.value, 3),
-                expected="" if mean is None else _with_unit([run], target, mean, 3),
+                value=with_unit(number(run.value, 3), _unit([run], target)),
+                expected="" if mean is None else with_unit(number(mean, 3), _unit([run], target)),
                 met=target is not None and target.is_met_by(value),
                 drawing=view.drawing(),
                 values=[_named_value(context, run, name) for name in names],
@@ -178,7 +180,8 @@ def _mean_over_seeds(context: ReportContext, run: ShownRun, target: Target | Non
     if metamodels is None or target is None or target.name not in names:
         return None
     point = metamodels.problem.to_unit(run.evaluation.proposal.parameters)
-    return float(metamodels.predict(point)[0][0, names.index(target.name)])
+    found = float(metamodels.predict(point)[0][0, names.index(target.name)])
+    return found / metamodels.problem.ratios.get(target.name, 1.0)
 
 
 def _named_value(context: ReportContext, run: ShownRun, name: str) -> tuple[Label, str]:

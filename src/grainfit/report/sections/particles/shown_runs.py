@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from statistics import fmean
@@ -25,9 +25,10 @@ from grainfit.evaluation import (
     scalars,
 )
 from grainfit.files import read_within
-from grainfit.formatting import plain
+from grainfit.formatting import number, plain, with_unit
 from grainfit.measurement.particles import Particles
 from grainfit.problem import Problem, Target
+from grainfit.report import messages
 from grainfit.scenes.run_output import RunOutput
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -94,7 +95,7 @@ def shown_runs(
     found: dict[str, list[ShownRun]] = {}
     evaluations = list(evaluations)
     tests = len(names_of_tests(run for evaluation in evaluations for run in evaluation.runs))
-    for number, evaluation in enumerate(evaluations, 1):
+    for position, evaluation in enumerate(evaluations, 1):
         for run, identity in evaluation.runs.items():
             record = runs.get(identity)
             shown = None if record is None else _shown(record)
@@ -108,7 +109,7 @@ def shown_runs(
                 own = scalars(record.responses).get(shown.response)
                 value = (own or evaluation.responses[name]).value
                 where = run_folder(folder, identity)
-                known.append(ShownRun(number, evaluation, record, shown, name, value, where))
+                known.append(ShownRun(position, evaluation, record, shown, name, value, where))
     return found
 
 
@@ -124,9 +125,41 @@ def shown_response(runs: Sequence[ShownRun]) -> str:
 
 
 def shown_target(reading: SavedCalibration, runs: Iterable[ShownRun]) -> Target | None:
-    """Return the target of the response shown; None without one."""
+    """Return the target of the response shown, at the size that was simulated; None without one."""
     names = {run.response for run in runs}
-    return next((target for target in reading.problem.targets if target.name in names), None)
+    found = next((target for target in reading.problem.targets if target.name in names), None)
+    return None if found is None else at_simulated_size(found, reading.problem)
+
+
+def at_simulated_size(target: Target, problem: Problem) -> Target:
+    """Return a target as a smaller apparatus would give it, where such a one is simulated."""
+    ratio = problem.ratios.get(target.name)
+    if ratio is None:
+        return target
+    uncertainty = None if target.uncertainty is None else target.uncertainty / ratio
+    tolerance = target.tolerance / ratio
+    return replace(target, value=target.value / ratio, uncertainty=uncertainty, tolerance=tolerance)
+
+
+def measured(target: Target, problem: Problem, unit: str) -> str:
+    """Return a measured value in words; of a smaller apparatus also what it means there.
+
+    Parameters
+    ----------
+    target : Target
+        As of `at_simulated_size`.
+    problem : Problem
+        With the ratios of the sizes.
+    unit : str
+        For people.
+    """
+    ratio = problem.ratios.get(target.name)
+    if ratio is None:
+        return with_unit(number(target.value, 6), unit)
+    here, real = target.value, ratio * target.value
+    return messages.AT_THIS_SIZE(
+        here=with_unit(number(here, 3), unit), real=with_unit(number(real, 6), unit)
+    )
 
 
 def runs_to_show(
