@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from PIL import Image, ImageDraw
+from PIL import ImageDraw
 
 from grainfit.evaluation import Response
 from grainfit.measurement.sheet import FLANK
@@ -14,9 +15,8 @@ from grainfit.one_line import one_line
 from grainfit.photographs import messages
 from grainfit.photographs.draw_down import DrawDownInPicture, measure_draw_down
 from grainfit.photographs.heap import contour_of
-from grainfit.photographs.overlay import OUTLINE, draw_line, write_page
-from grainfit.photographs.pictures import Picture
-from grainfit.photographs.several import mean_of_repeats, measure_each
+from grainfit.photographs.overlay import OUTLINE, draw_line, write_overlay
+from grainfit.photographs.several import mean_of_repeats, measure_each, with_sources
 from grainfit.tables import Summary, TextTable
 
 
@@ -65,11 +65,7 @@ class PhotographedDrawDowns(Summary):
         reasons = {**unseen, **self.refused}
         lines += [messages.REFUSED(path=path, reason=why) for path, why in reasons.items()]
         for name, found in self.responses.items():
-            sources = ", ".join(
-                f"{source} {part:.2f}°" for source, part in self.parts[name].items()
-            )
-            words, error = name.replace("_", " "), found.standard_error
-            lines.append(f"{words}: {found.value:.2f} ± {error:.2f} deg ({sources})")
+            lines.append(f"{name.replace('_', ' ')}: {with_sources(found, self.parts[name])}")
         if len(self.pictures) == 1:
             lines.append(messages.ONE_HEAP())
         return (*lines, *self.targets)
@@ -101,7 +97,10 @@ def photo_draw_downs(
         None can be measured, and why.
     """
     pictures, refused = measure_each(
-        paths, lambda one: measure_draw_down(one, diameters), _draw, overlays
+        paths,
+        lambda one: measure_draw_down(one, diameters),
+        partial(write_overlay, draw=_draw),
+        overlays,
     )
     responses: dict[str, Response] = {}
     parts: dict[str, dict[str, float]] = {}
@@ -114,23 +113,14 @@ def photo_draw_downs(
     return PhotographedDrawDowns(responses, parts, tuple(pictures), refused)
 
 
-def _draw(folder: Path, picture: Picture, found: DrawDownInPicture | str) -> None:
-    """Write the picture with heap, wedges and flanks, or with why it is not measured."""
-    image = Image.fromarray(picture.colours)
-    if isinstance(found, str):
-        text, ending = f"not measured: {found}", "refused"
-    else:
-        draw = ImageDraw.Draw(image)
-        width = max(2, image.width // 400)
-        for mask in found.masks:
-            draw_line(draw, contour_of(mask), OUTLINE, width, closed=True)
-        for line in found.lines:
-            draw_line(draw, line, FLANK, 2 * width)
-        words = [f"{name.replace('_', ' ')} {angle:.1f}°" for name, angle in found.angles.items()]
-        text, ending = ", ".join(words), "measured"
-        if found.no_wedges:
-            text += f"; no shear angle: {found.no_wedges}"
-    write_page(image, text, folder / f"{picture.path.stem}_{ending}.png")
+def _draw(draw: ImageDraw.ImageDraw, found: DrawDownInPicture, width: int) -> str:
+    """Draw heap, wedges and flanks; return the angles in words."""
+    for mask in found.masks:
+        draw_line(draw, contour_of(mask), OUTLINE, width, closed=True)
+    for line in found.lines:
+        draw_line(draw, line, FLANK, 2 * width)
+    words = [f"{name.replace('_', ' ')} {angle:.1f}°" for name, angle in found.angles.items()]
+    return ", ".join(words) + (f"; no shear angle: {found.no_wedges}" if found.no_wedges else "")
 
 
 __all__ = ["PhotographedDrawDowns", "photo_draw_downs"]

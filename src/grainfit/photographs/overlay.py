@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -12,26 +14,42 @@ from grainfit.photographs.heap import Array, HeapInPicture
 from grainfit.photographs.pictures import Picture
 
 OUTLINE, PLATE, _PAPER = "#56b4e9", "#f0e442", "#1f2933"
+Found = TypeVar("Found")
 #: Lengths of a scale bar, m.
 _BARS = [factor * 10.0**power for power in range(-4, 1) for factor in (1, 2, 5)]
 
 
 def draw_overlay(folder: Path, picture: Picture, found: HeapInPicture | str) -> Path:
-    """Write a PNG of a picture with outline, plate, flanks, scale and angle, or with the reason.
+    """Write a picture with outline, plate, flanks, scale and angle, as of `write_overlay`."""
+    return write_overlay(folder, picture, found, _draw)
+
+
+def write_overlay(
+    folder: Path,
+    picture: Picture,
+    found: Found | str,
+    draw: Callable[[ImageDraw.ImageDraw, Found, int], str],
+) -> Path:
+    """Write a PNG of a picture with what was found drawn on it, or with why nothing was measured.
 
     It has the name of the picture, with ``_measured`` or ``_refused``; its path is returned.
+
+    Parameters
+    ----------
+    folder : Path
+        Where it is written.
+    picture : Picture
+        The picture.
+    found : object or str
+        What was found, or why nothing was measured.
+    draw : callable
+        Draws what was found with lines of a width, and returns the text below the picture.
     """
     image = Image.fromarray(picture.colours)
-    size = max(14, image.width // 45)
-    draw = ImageDraw.Draw(image)
     if isinstance(found, str):
         text, ending = f"not measured: {found}", "refused"
     else:
-        _draw(draw, found, max(2, image.width // 400), size)
-        text = (
-            f"{found.angle:.1f}° ± {found.uncertainty:.1f}°, camera {found.elevation:.1f}° above "
-            f"({found.seen_by})"
-        )
+        text = draw(ImageDraw.Draw(image), found, max(2, image.width // 400))
         ending = "measured"
     return write_page(image, text, folder / f"{picture.path.stem}_{ending}.png")
 
@@ -52,7 +70,8 @@ def write_page(image: Image.Image, text: str, path: Path) -> Path:
     return path
 
 
-def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int, size: int) -> None:
+def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int) -> str:
+    size = max(14, draw.im.size[0] // 45)
     draw_line(draw, found.outline, OUTLINE, width, closed=True)
     left, right, ground = found.drawn
     if found.plate is not None:
@@ -88,6 +107,10 @@ def _draw(draw: ImageDraw.ImageDraw, found: HeapInPicture, width: int, size: int
             stroke_width=2,
             stroke_fill=_PAPER,
         )
+    return (
+        f"{found.angle:.1f}° ± {found.uncertainty:.1f}°, camera {found.elevation:.1f}° above "
+        f"({found.seen_by})"
+    )
 
 
 def draw_line(

@@ -22,6 +22,7 @@ from grainfit.photographs.drum_photo import PhotographedDrum, photo_drum
 from grainfit.photographs.heap import HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import Picture, is_picture, opencv, read_picture
+from grainfit.photographs.several import with_sources
 from grainfit.photographs.slope import Points
 from grainfit.photographs.slope_photo import PhotographedSlopes, photo_slopes
 from grainfit.photographs.videos import is_video
@@ -89,9 +90,7 @@ class PhotographedHeaps(Summary):
         table = TextTable(headings, rows)
         lines: list[str | TextTable] = [table]
         lines += [messages.REFUSED(path=path, reason=why) for path, why in self.refused.items()]
-        value, error = self.angle_of_repose.value, self.angle_of_repose.standard_error
-        sources = ", ".join(f"{name} {part:.2f}°" for name, part in self.parts.items())
-        lines.append(f"angle of repose: {value:.2f} ± {error:.2f} deg ({sources})")
+        lines.append(f"angle of repose: {with_sources(self.angle_of_repose, self.parts)}")
         if len(self.heaps) == 1:
             lines.append(messages.ONE_HEAP())
         return (*lines, self.target)

@@ -20,7 +20,7 @@ Found = TypeVar("Found")
 def measure_each(
     paths: Sequence[Path],
     measure: Callable[[Picture], Found],
-    draw: Callable[[Path, Picture, Found | str], None],
+    draw: Callable[[Path, Picture, Found | str], object],
     overlays: Path | None,
 ) -> tuple[list[Found], dict[Path, str]]:
     """Return what was found on each picture, and why others were not measured.
@@ -86,4 +86,10 @@ def mean_of_repeats(
     return Response(float(np.mean(angles)), error), found
 
 
-__all__ = ["mean_of_repeats", "measure_each"]
+def with_sources(found: Response, parts: Mapping[str, float]) -> str:
+    """Return an angle in words, with the parts of its standard uncertainty by their source."""
+    sources = ", ".join(f"{name} {part:.2f}°" for name, part in parts.items())
+    return f"{found.value:.2f} ± {found.standard_error:.2f} deg ({sources})"
+
+
+__all__ = ["mean_of_repeats", "measure_each", "with_sources"]

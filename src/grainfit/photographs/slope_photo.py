@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw
+from PIL import ImageDraw
 
 from grainfit.evaluation import Response
 from grainfit.measurement.sheet import FLANK
 from grainfit.one_line import one_line
 from grainfit.photographs import messages
-from grainfit.photographs.overlay import PLATE, draw_line, write_page
-from grainfit.photographs.pictures import Picture
-from grainfit.photographs.several import mean_of_repeats, measure_each
+from grainfit.photographs.overlay import PLATE, draw_line, write_overlay
+from grainfit.photographs.several import mean_of_repeats, measure_each, with_sources
 from grainfit.photographs.slope import LEVEL, Points, SlopeInPicture, measure_slope
 from grainfit.tables import Summary, TextTable
 
@@ -67,9 +67,7 @@ class PhotographedSlopes(Summary):
         table = TextTable(("picture", "angle, °", "horizontal, °", "by"), rows)
         lines: list[str | TextTable] = [table]
         lines += [messages.REFUSED(path=path, reason=why) for path, why in self.refused.items()]
-        sources = ", ".join(f"{name} {part:.2f}°" for name, part in self.parts.items())
-        value, error = self.angle.value, self.angle.standard_error
-        lines.append(f"angle: {value:.2f} ± {error:.2f} deg ({sources})")
+        lines.append(f"angle: {with_sources(self.angle, self.parts)}")
         if self.parts["horizontal"] >= LEVEL:
             lines.append(messages.LEVEL_SLOPE(error=self.parts["horizontal"]))
         if len(self.slopes) == 1:
@@ -101,7 +99,10 @@ def photo_slopes(
         None can be measured, and why.
     """
     slopes, refused = measure_each(
-        paths, lambda one: measure_slope(one, reference, level), _draw, overlays
+        paths,
+        lambda one: measure_slope(one, reference, level),
+        partial(write_overlay, draw=_draw),
+        overlays,
     )
     mean, parts = mean_of_repeats(
         [found.angle for found in slopes], [found.parts for found in slopes], "edge"
@@ -109,24 +110,16 @@ def photo_slopes(
     return PhotographedSlopes(mean, tuple(slopes), parts, refused)
 
 
-def _draw(folder: Path, picture: Picture, found: SlopeInPicture | str) -> None:
-    """Write the picture with its slope and the horizontal, or with why it is not measured."""
-    image = Image.fromarray(picture.colours)
-    if isinstance(found, str):
-        text, ending = f"not measured: {found}", "refused"
-    else:
-        draw = ImageDraw.Draw(image)
-        width = max(2, image.width // 400)
-        edge = found.edge
-        foot = min(edge.start, edge.end, key=lambda place: -place[1])
-        other = edge.end if foot == edge.start else edge.start
-        reach, a = other[0] - foot[0], math.tan(math.radians(found.level))
-        level = np.array([foot, (foot[0] + reach, foot[1] - reach * a)])
-        draw_line(draw, level, PLATE, width)
-        draw_line(draw, np.array([edge.start, edge.end]), FLANK, width)
-        text = f"{found.angle:.2f}° ± {found.uncertainty:.2f}° (horizontal {found.seen_by})"
-        ending = "measured"
-    write_page(image, text, folder / f"{picture.path.stem}_{ending}.png")
+def _draw(draw: ImageDraw.ImageDraw, found: SlopeInPicture, width: int) -> str:
+    """Draw the slope and the horizontal; return the angle in words."""
+    edge = found.edge
+    foot = min(edge.start, edge.end, key=lambda place: -place[1])
+    other = edge.end if foot == edge.start else edge.start
+    reach, a = other[0] - foot[0], math.tan(math.radians(found.level))
+    level = np.array([foot, (foot[0] + reach, foot[1] - reach * a)])
+    draw_line(draw, level, PLATE, width)
+    draw_line(draw, np.array([edge.start, edge.end]), FLANK, width)
+    return f"{found.angle:.2f}° ± {found.uncertainty:.2f}° (horizontal {found.seen_by})"
 
 
 __all__ = ["PhotographedSlopes", "photo_slopes"]
