@@ -112,7 +112,7 @@ def material_card(source: str | Path | SavedCalibration) -> WritableCard:
     >>> card.parameters[0].name, card.calibrated
     ('friction', True)
     """
-    reading = source if isinstance(source, SavedCalibration) else SavedCalibration.open(source)
+    reading = SavedCalibration.of(source)
     read_answer(reading)
     card = make_card(reading, reading.intervals)
     notes = () if reading.intervals else _why_no_intervals(reading)

@@ -59,7 +59,7 @@ def write_report(
     """
     tell = on_progress or (lambda _words: None)
     tell("reading the runs")
-    reading = source if isinstance(source, SavedCalibration) else SavedCalibration.open(source)
+    reading = SavedCalibration.of(source)
     tell(f"analysing {len(reading.known)} parameter sets")
     analysis = reading.analyse()
     tell("drawing")

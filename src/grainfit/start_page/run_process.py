@@ -7,7 +7,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-#: Last part of what the process said that is shown, bytes.
+from grainfit.files import end_of_file
+
+#: Last part of what the process said that is shown, characters.
 _TAIL = 4000
 
 
@@ -43,9 +45,4 @@ class RunProcess:
 
     def tail(self) -> str:
         """Return the end of what it printed."""
-        size = self._said.seek(0, 2)
-        self._said.seek(max(size - _TAIL, 0))
-        text = self._said.read().decode("utf-8", "replace")
-        # The process shares the place in the file, and writes at its end.
-        self._said.seek(0, 2)
-        return text.strip()
+        return end_of_file(self._said.fileno())[-_TAIL:].strip()

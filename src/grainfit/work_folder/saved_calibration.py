@@ -113,6 +113,11 @@ class SavedCalibration:
     laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @classmethod
+    def of(cls, source: str | Path | SavedCalibration) -> SavedCalibration:
+        """Return a calibration that was read already, or that of a work folder, as of `open`."""
+        return source if isinstance(source, SavedCalibration) else cls.open(source)
+
+    @classmethod
     def open(cls, folder: str | Path) -> SavedCalibration:
         """Read a work folder once, without changing it or disturbing a running calibration.
 

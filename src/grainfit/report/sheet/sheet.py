@@ -99,7 +99,7 @@ def write_sheet(source: str | Path | SavedCalibration, output: str | Path | None
     InputError
         The calibration has no answer yet.
     """
-    reading = source if isinstance(source, SavedCalibration) else SavedCalibration.open(source)
+    reading = SavedCalibration.of(source)
     card = material_card(reading)
     path = Path(output) if output is not None else reading.folder / SHEET_NAME
     # An analysis takes seconds, and is only needed where the result has no intervals.
