@@ -5,8 +5,8 @@ import shutil
 import socket
 import subprocess
 import tempfile
-from collections.abc import Iterator
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -31,26 +31,32 @@ def free_ports(count: int) -> int:
     raise RuntimeError(f"no {count} ports in a row are free")
 
 
+@contextmanager
+def started(
+    title: str, name: str, programs: Iterable[str], packages: str, ports: int
+) -> Iterator[Path]:
+    """The folder of a scheduler that ``start_NAME.sh`` has started; skips where it cannot be."""
+    missing = [program for program in programs if shutil.which(program) is None]
+    if missing:
+        pytest.skip(f"{title} ({', '.join(missing)}) is not installed: apt-get install {packages}")
+    if os.geteuid() != 0:
+        pytest.skip(f"{title} is started by root only: run the tests as root")
+    # Not pytest's own folder: the path of a socket must be short.
+    folder = Path(tempfile.mkdtemp(prefix=f"{name}-"))
+    try:
+        start = [HERE / f"start_{name}.sh", folder, str(free_ports(ports))]
+        subprocess.run(start, check=True, timeout=60)
+        yield folder
+    finally:
+        subprocess.run([HERE / f"stop_{name}.sh", folder], check=False, timeout=60)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 @pytest.fixture(scope="session")
 def _slurm() -> Iterator[Path]:
     """A Slurm of this process's own: tests of several processes do not disturb each other."""
-    missing = [program for program in PROGRAMS if shutil.which(program) is None]
-    if missing:
-        pytest.skip(
-            f"Slurm ({', '.join(missing)}) is not installed: apt-get install slurm-wlm munge"
-        )
-    if os.geteuid() != 0:
-        pytest.skip("Slurm is started by root only: run the tests as root")
-    # Not pytest's own folder: the path of a socket must be short.
-    folder = Path(tempfile.mkdtemp(prefix="slurm-"))
-    try:
-        subprocess.run(
-            [HERE / "start_slurm.sh", folder, str(free_ports(3))], check=True, timeout=60
-        )
+    with started("Slurm", "slurm", PROGRAMS, "slurm-wlm munge", 3) as folder:
         yield folder
-    finally:
-        subprocess.run([HERE / "stop_slurm.sh", folder], check=False, timeout=60)
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 @pytest.fixture

@@ -6,10 +6,8 @@ No PBS and no LSF can be had from Debian: `commands_like` answers as their manua
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -26,7 +24,7 @@ from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.errors import ExecutorError
 from grainfit.result import Result
 from grainfit.solvers.own_model.python_callable import PythonCallable
-from tests.cluster.conftest import HERE, free_ports
+from tests.cluster.conftest import started
 
 pytest.importorskip("parsl")
 pytestmark = pytest.mark.slow
@@ -93,22 +91,9 @@ elif name in ("qdel", "bkill"):
 
 @pytest.fixture(scope="module")
 def _grid_engine() -> Iterator[Path]:
-    missing = [program for program in PROGRAMS if shutil.which(program) is None]
-    if missing:
-        pytest.skip(
-            "Grid Engine is not installed: apt-get install gridengine-master gridengine-exec"
-        )
-    if os.geteuid() != 0:
-        pytest.skip("Grid Engine is started by root only: run the tests as root")
-    folder = Path(tempfile.mkdtemp(prefix="gridengine-"))
-    try:
-        subprocess.run(
-            [HERE / "start_gridengine.sh", folder, str(free_ports(2))], check=True, timeout=60
-        )
+    packages = "gridengine-master gridengine-exec"
+    with started("Grid Engine", "gridengine", PROGRAMS, packages, 2) as folder:
         yield folder
-    finally:
-        subprocess.run([HERE / "stop_gridengine.sh", folder], check=False, timeout=60)
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 @pytest.fixture
