@@ -106,13 +106,37 @@ def test_a_start_runs_and_leads_to_the_page_that_follows_it(server: StartServer)
             page.locator("#watch").click()
         expect(followed.value.locator("#name")).to_have_text("sand")
         expect(page.locator("#followed")).to_contain_text("It has ended")
+        with page.expect_download() as handed:
+            page.get_by_role("link", name="JSON").click()
+        card = json.loads(handed.value.path().read_text())
+        with page.expect_download() as handed:
+            page.get_by_role("link", name="PDF").click()
+        assert handed.value.suggested_filename == "pellets_sheet.pdf"
+        assert handed.value.path().read_bytes().startswith(b"%PDF")
+        assert violations(page) == []
+    assert card["parameters"][0]["name"] == "friction"
+    assert fetch(server, "hand-over/../result.json")[0] == 404
+    # The card of a solver lacks what an own model does not have.
+    status, words = fetch(server, "hand-over/liggghts")
+    assert status == 409
+    assert "youngs_modulus" in words
     assert (server.work_folder / "result.json").exists()
 
 
+def fetch(server: StartServer, path: str) -> tuple[int, str]:
+    return ask(server, "GET", f"/{server.token}/{path}")
+
+
 def post(server: StartServer, path: str, body: str = "{}", **headers: str) -> tuple[int, str]:
+    return ask(server, "POST", path, body, **headers)
+
+
+def ask(
+    server: StartServer, method: str, path: str, body: str = "", **headers: str
+) -> tuple[int, str]:
     port = server.socket.getsockname()[1]
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-    connection.request("POST", path, body, headers)
+    connection.request(method, path, body, headers)
     answer = connection.getresponse()
     found = answer.status, answer.read().decode()
     connection.close()

@@ -318,6 +318,20 @@
       at("followed").replaceChildren(...shown);
     }
   };
+  const OFFERS = {
+    sheet: "Customer’s sheet (PDF)", liggghts: "LIGGGHTS", lammps: "LAMMPS", yade: "YADE",
+    edem: "EDEM", rocky: "Rocky", mercurydpm: "MercuryDPM", pfc: "PFC", mfix: "MFiX",
+    aspherix: "Aspherix", json: "JSON", csv: "CSV",
+  };
+  const handOver = () => {
+    const names = (state.run && state.run.offers) || [];
+    at("hand-box").hidden = !names.length;
+    if (at("offers").children.length !== names.length) {
+      at("offers").replaceChildren(...names.map((name) => element("li", {}, element("a", {
+        href: `hand-over/${name}`, textContent: OFFERS[name] || name,
+      }))));
+    }
+  };
   const LOOK = 1000;
   const look = async () => {
     try {
@@ -325,6 +339,7 @@
       const was = isRunning();
       state.run = found.run;
       follow();
+      handOver();
       if (was && !isRunning()) {
         plan();
       }
@@ -372,6 +387,7 @@
       rebuild();
     }
     follow();
+    handOver();
   };
   start.materials.forEach(({ name, title }) => {
     at("materials").append(element("option", { value: name, textContent: title }));

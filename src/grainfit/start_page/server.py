@@ -10,6 +10,7 @@ from functools import partial
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any, ClassVar
+from urllib.parse import quote
 
 from typing_extensions import override
 
@@ -22,12 +23,15 @@ from grainfit.local_pages.server import JSON, LocalHandler, LocalServer, listen
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
 from grainfit.report.rendering import script_json
 from grainfit.start_page import messages
+from grainfit.start_page.hand_over import handed_over, offers
 from grainfit.start_page.page import start_page
 from grainfit.start_page.run_process import RunProcess
 from grainfit.tables import TextTable
 from grainfit.watch.server import WatchServer
 
 State = dict[str, Any]
+#: Addresses of what is handed over begin so.
+_HAND_OVER = "hand-over/"
 
 
 class StartServer(LocalServer):
@@ -189,6 +193,7 @@ class StartServer(LocalServer):
             "started": self._run is not None,
             "code": self._run.code if self._run else None,
             "said": self._run.tail() if self._run and self._run.code is not None else "",
+            "offers": [] if self.is_running else offers(folder),
         }
 
 
@@ -208,6 +213,8 @@ class _Handler(LocalHandler):
             self.send(HTTPStatus.OK, JSON, script_json(self.server.state()))
         elif rest == "sheet":
             self._send_sheet()
+        elif rest.startswith(_HAND_OVER):
+            self._hand_over(rest.removeprefix(_HAND_OVER))
         else:
             self.refuse_page()
 
@@ -238,6 +245,19 @@ class _Handler(LocalHandler):
             self.refuse(HTTPStatus.CONFLICT, str(error))
             return
         self.send(HTTPStatus.OK, "application/pdf", sheet)
+
+    def _hand_over(self, name: str) -> None:
+        folder = self.server.work_folder
+        if name not in offers(folder):
+            self.refuse_page()
+            return
+        try:
+            kind, file, content = handed_over(folder, name)
+        except GrainfitError as error:
+            self.refuse(HTTPStatus.CONFLICT, _words(error))
+            return
+        disposition = f"attachment; filename*=UTF-8''{quote(file)}"
+        self.send(HTTPStatus.OK, kind, content, {"Content-Disposition": disposition})
 
 
 def _key_and_text(body: Any) -> tuple[str, str]:

@@ -1,0 +1,50 @@
+"""What is handed over of a calibration that has ended: cards and the customer's sheet."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from grainfit.campaign.work_folder import RESULT_NAME
+from grainfit.cards import FORMATS, material_card, render, require_format
+
+#: Name of the customer's sheet beside the formats of a card.
+SHEET = "sheet"
+_KINDS = {"json": "application/json", "csv": "text/csv; charset=utf-8"}
+_ENDINGS = {"json": "json", "csv": "csv", "yade": "py"}
+
+
+def offers(folder: Path) -> list[str]:
+    """Return the names of what `handed_over` makes; none before there is a result."""
+    return [SHEET, *FORMATS] if (folder / RESULT_NAME).exists() else []
+
+
+def handed_over(folder: Path, name: str) -> tuple[str, str, bytes]:
+    """Make one of `offers`.
+
+    Returns
+    -------
+    tuple of (str, str, bytes)
+        Type of the content, name of the file, and the content.
+
+    Raises
+    ------
+    StoreError
+        It is not a work folder, or the result in it is damaged.
+    InputError
+        There is no such offer, no answer, or the answer has none of the values that are needed.
+    """
+    if name == SHEET:
+        return "application/pdf", f"{folder.stem}_sheet.pdf", _sheet(folder)
+    require_format(name)
+    text = render(material_card(folder), name)
+    kind = _KINDS.get(name, "text/plain; charset=utf-8")
+    return kind, f"{folder.stem}_{name}.{_ENDINGS.get(name, 'txt')}", text.encode()
+
+
+def _sheet(folder: Path) -> bytes:
+    # The page only reads: a file in the work folder is for those who ask for it there.
+    from grainfit.report.sheet.sheet import write_sheet
+
+    with tempfile.TemporaryDirectory() as place:
+        return write_sheet(folder, Path(place) / "sheet.pdf").read_bytes()
