@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration_file.photos import PHOTOS
 from grainfit.calibration_file.starter import file_without_tests, starter_test
 from grainfit.errors import InputError
 from grainfit.interview import messages
@@ -23,6 +24,7 @@ from grainfit.interview.file_text import (
     without_value,
 )
 from grainfit.interview.measured import MEASURED, read_measured
+from grainfit.interview.pictures import OF_PICTURES, named_pictures, takes_pictures
 from grainfit.materials.material_classes import class_of_words, material_classes
 from grainfit.materials.particle_shape import FAMILIES
 from grainfit.materials.starting_materials import (
@@ -227,14 +229,17 @@ def set_measured(text: str, number: int, test: dict[str, Any], response: str, gi
     path = ("test", number, "targets", response)
     unit = BUILT_IN[test["type"]].responses[response].unit
     before = test.get("targets", {}).get(response)
-    target = read_measured(f"{path[0]}[{number}].targets.{response}", given, unit).target()
+    pictures = named_pictures(given) if takes_pictures(test["type"], response) else []
+    target: dict[str, Any] = {PHOTOS: pictures}
+    if not pictures:
+        target = read_measured(f"{path[0]}[{number}].targets.{response}", given, unit).target()
     if before is None:
         pairs = ", ".join(f"{key} = {_value(value)}" for key, value in target.items())
         return with_value(text, path, f"{{ {pairs} }}")
     # Key by key, so that comments beside the others stay.
     for key, value in target.items():
         text = with_value(text, (*path, key), _value(value))
-    for key in MEASURED:
+    for key in (*MEASURED, *(() if pictures else OF_PICTURES)):
         if key in before and key not in target:
             text = without_value(text, (*path, key))
     return text

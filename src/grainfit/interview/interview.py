@@ -74,7 +74,7 @@ class Interview(OneLine):
 
     def questions(self) -> tuple[Question, ...]:
         """Return all questions so far, with the answers that the file has."""
-        return tuple(questions_of(self.text))
+        return tuple(questions_of(self.text, self.path))
 
     def answered(self, key: str, given: str) -> Interview:
         """Return the interview after an answer; an empty one passes the question over.

@@ -14,7 +14,7 @@ from grainfit.units import UnitError, example_with, percentage, to_unit
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _ERROR = re.compile(r"±|\+\s*/?\s*-(?=\s*[\d.])")
 #: Keys of a target that say what was measured; its others stay.
-MEASURED = ("value", "uncertainty", "measurements", "systematic")
+MEASURED = ("value", "uncertainty", "measurements", "systematic", "photos")
 
 
 @dataclass(frozen=True)
@@ -79,13 +79,15 @@ def read_measured(key: str, text: str, unit: str) -> Measured:
 
 
 def typed(target: Mapping[str, Any]) -> str:
-    """Return what one would type for a target of a file; empty if it is none of numbers.
+    """Return what one would type for a target of a file; empty if it is a table.
 
     Examples
     --------
     >>> typed({"measurements": ["31 deg", "32 deg"], "systematic": "1 deg"})
     '31 deg; 32 deg ± 1 deg'
     """
+    if isinstance(target.get("photos"), list):
+        return "; ".join(map(str, target["photos"]))
     values = target.get("measurements", [target["value"]] if "value" in target else [])
     error = target.get("systematic", target.get("uncertainty", ""))
     if not isinstance(values, list) or not values:

@@ -24,6 +24,7 @@ from grainfit.interview.answers import (
 from grainfit.interview.equipment import Way, equipment, way_of, ways
 from grainfit.interview.file_text import note
 from grainfit.interview.measured import typed
+from grainfit.interview.pictures import is_of_pictures, on_pictures, overlays, takes_pictures
 from grainfit.materials.particle_shape import FAMILIES
 from grainfit.options.kinds import Choice, Flag
 from grainfit.options.places import Findings, Place
@@ -34,6 +35,10 @@ from grainfit.units import example_with
 _REPEATS = (
     "Repeats with their unit, and after ± what is wrong in all of them alike: "
     '"31; 32.5; 30 deg ± 0.5 deg". Of one value, ± is its uncertainty.'
+)
+_OR_PICTURES = (
+    "Or pictures, each of a heap of its own, with the marker sheet or a round plate below it: "
+    "heap_1.jpg; heap_2.jpg."
 )
 _DESCRIBED = {"no": "it falls apart", "yes": "it clings: fine or damp"}
 
@@ -64,6 +69,10 @@ class Question:
         What the answer means: mean and uncertainty of repeats.
     entry : str
         How to type the answer, where several questions have it alike.
+    takes_pictures : bool
+        Whether photographs are an answer.
+    overlays : tuple of str
+        Pictures on which is drawn what was measured on those of the answer.
     is_asked : bool
         Whether it was answered, or passed over.
     """
@@ -78,18 +87,20 @@ class Question:
     usual: str = ""
     implies: str = ""
     entry: str = ""
+    takes_pictures: bool = False
+    overlays: tuple[str, ...] = ()
     is_asked: bool = False
 
 
-def questions_of(text: str) -> Iterator[Question]:
-    """Yield all questions that a file leads to, in their order."""
+def questions_of(text: str, file: Path) -> Iterator[Question]:
+    """Yield all questions that the text of a file leads to, in their order."""
     data = tomllib.loads(text) if text else {}
     asked = note(text, ASKED).split()
     found = [*_of_material(text, data)]
     if text:
         found += [*_of_laboratory(text)]
-        for name, test in named_tests(text):
-            found += [*_of_test(name, test)]
+        for number, (name, test) in enumerate(named_tests(text)):
+            found += [*_of_test(name, test, number, file)]
     for one in found:
         yield Question(**{**vars(one), "is_asked": one.key in asked})
 
@@ -193,7 +204,7 @@ def _words(way: Way) -> str:
     return f"{way.title}: {responses}"
 
 
-def _of_test(name: str, test: Mapping[str, Any]) -> Iterator[Question]:
+def _of_test(name: str, test: Mapping[str, Any], number: int, file: Path) -> Iterator[Question]:
     kind, way = BUILT_IN.get(str(test.get("type"))), _way(name, test)
     if kind is None or way is None:
         return
@@ -204,15 +215,24 @@ def _of_test(name: str, test: Mapping[str, Any]) -> Iterator[Question]:
     listed = [*way.responses, *(r for r in targets if r in kind.responses)]
     for response in dict.fromkeys(listed):
         info, target = kind.responses[response], targets.get(response, {})
+        pictures = takes_pictures(test["type"], response)
+        found = None
+        if is_of_pictures(target):
+            place = ("test", number, "targets", response)
+            found = on_pictures(file, place, test["type"], target)
         yield Question(
             f"{name}.targets.{response}",
             f"{info.words.partition(':')[0]}, measured{_such_as(info.unit)}:",
-            f"{info.words}.",
+            f"{info.words}.{f' {_OR_PICTURES}' if pictures else ''}",
             name,
             typed(target),
             usual="not measured",
-            implies=implied(response, test["type"], target),
+            implies=" ".join((found.result, *found.found))
+            if found
+            else implied(response, test["type"], target),
             entry=_REPEATS,
+            takes_pictures=pictures,
+            overlays=tuple(map(str, overlays(found))) if found else (),
         )
 
 
@@ -244,7 +264,7 @@ def _of_option(name: str, key: Key, test: Mapping[str, Any]) -> Question:
 
 def implied(response: str, test: str, target: Any) -> str:
     """Return what a target means: mean, standard uncertainty, and tolerance."""
-    if not isinstance(target, dict) or not typed(target):
+    if not isinstance(target, dict) or not typed(target) or is_of_pictures(target):
         return ""
     info = BUILT_IN[test].responses[response]
     found = TargetTable(info.possible).read(target, Place(Findings(Path()), (response,)))

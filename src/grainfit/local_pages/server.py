@@ -242,23 +242,25 @@ class LocalHandler(BaseHTTPRequestHandler):
         else:
             self.change(rest)
 
-    def body(self) -> bytes | None:
-        """Return the body of a request, or refuse it if it is too long."""
+    def body(self, longest: int = _LONGEST_BODY) -> bytes | None:
+        """Return the body of a request, or refuse it if it has more bytes than the longest."""
         length = self.headers.get("Content-Length", "")
-        if length.isdecimal() and int(length) <= _LONGEST_BODY:
+        if length.isdecimal() and int(length) <= longest:
             return self.rfile.read(int(length))
         self.refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "This is too much.")
         return None
 
-    def json_body(self, read: Callable[[Any], Found]) -> Found | None:
+    def json_body(self, read: Callable[[Any], Found], longest: int = _LONGEST_BODY) -> Found | None:
         """Return what JSON in the body of a request is read as, or refuse it.
 
         Parameters
         ----------
         read : callable
             Raises `ValueError` for what it cannot read.
+        longest : int
+            Longest body, bytes.
         """
-        body = self.body()
+        body = self.body(longest)
         if body is None:
             return None
         try:

@@ -137,6 +137,48 @@
     });
     return box;
   };
+  const read = (file) => new Promise((resolve, reject) => {
+    const reader = new FileReader();
+    reader.onload = () => resolve(reader.result.slice(reader.result.indexOf(",") + 1));
+    reader.onerror = () => reject(reader.error);
+    reader.readAsDataURL(file);
+  });
+  const addPictures = async (key, files) => {
+    const [many, refused] = [files.length, []];
+    for (const [number, file] of files.entries()) {
+      at("saved").textContent = `Measuring picture ${number + 1} of ${many} …`;
+      try {
+        const body = { key, name: file.name, content: await read(file) };
+        const found = await ask("picture", body);
+        if (found.refused) {
+          refused.push(found.refused);
+        } else {
+          delete drafts[key];
+          show(found);
+        }
+      } catch {
+        refused.push(`${file.name} cannot be read.`);
+      }
+    }
+    keepDrafts();
+    at("saved").textContent = refused.length === many ? "Not kept" : "Kept in the file";
+    if (refused.length) {
+      const kept = state.questions.find((one) => one.key === key);
+      say(key, "refused", `Not kept: ${refused.join(" ")} ${(kept && kept.implies) || ""}`);
+    }
+    refresh();
+  };
+  const pictured = (question) => {
+    const id = `${idOf(question.key)}-pictures`;
+    const field = element("input", { id, type: "file", multiple: true, accept: "image/*,.heic" });
+    field.addEventListener("change", () => addPictures(question.key, [...field.files]));
+    const shown = question.overlays.map((_, number) => element("img", {
+      src: `overlay/${number}/${encodeURIComponent(question.key)}`,
+      alt: `What was measured on picture ${number + 1}`,
+    }));
+    return element("div", { className: "pictures" },
+      element("label", { htmlFor: id, textContent: "Add pictures" }), field, ...shown);
+  };
   const drawn = (question) => {
     const id = idOf(question.key);
     const said = element("p", { id: `${id}-said`, className: "implies", textContent: question.implies });
@@ -156,9 +198,10 @@
       }
       return box;
     }
+    const pictures = question.takes_pictures ? [pictured(question)] : [];
     const field = Object.keys(question.options).length ? selection(question) : textField(question);
     const label = element("label", { htmlFor: id, textContent: title });
-    return element("div", { className: "question" }, label, help, field, said);
+    return element("div", { className: "question" }, label, help, field, ...pictures, said);
   };
 
   const rebuild = () => {
@@ -367,7 +410,7 @@
 
   const show = (found) => {
     const shape = (of) => JSON.stringify([of.remark, (of.questions || [])
-      .map((one) => [one.key, one.options, one.answer])]);
+      .map((one) => [one.key, one.options, one.answer, one.overlays])]);
     const isOther = shape(found) !== shape(state) || !at("questions").children.length;
     state = found;
     at("fault").hidden = !state.fault;

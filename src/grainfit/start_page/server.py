@@ -10,7 +10,7 @@ from functools import partial
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any, ClassVar
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 from typing_extensions import override
 
@@ -19,6 +19,7 @@ from grainfit.campaign.store.store import STORE_NAME
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.interview.interview import Interview
+from grainfit.interview.pictures import named_pictures
 from grainfit.local_pages.server import JSON, LocalHandler, LocalServer, listen
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
 from grainfit.report.rendering import script_json
@@ -26,12 +27,13 @@ from grainfit.start_page import messages
 from grainfit.start_page.hand_over import handed_over, offers
 from grainfit.start_page.page import start_page
 from grainfit.start_page.run_process import RunProcess
+from grainfit.start_page.uploads import LONGEST, Upload
 from grainfit.tables import TextTable
 from grainfit.watch.server import WatchServer
 
 State = dict[str, Any]
-#: Addresses of what is handed over begin so.
-_HAND_OVER = "hand-over/"
+#: Addresses of what is handed over, and of overlays of pictures, begin so.
+_HAND_OVER, _OVERLAY = "hand-over/", "overlay/"
 
 
 class StartServer(LocalServer):
@@ -84,6 +86,35 @@ class StartServer(LocalServer):
             # Read again each time: an editor may have changed the file.
             self._interview().answered(key, given).save()
         return self.state()
+
+    def add_picture(self, upload: Upload) -> State:
+        """Keep a picture as a further one of an answer, and return the state then.
+
+        Raises
+        ------
+        InputError, OSError
+            Nothing can be measured on the pictures, the question has a typed answer, or the
+            picture or the file cannot be written; the picture is not kept then.
+        """
+        with self._editing:
+            interview = self._interview()
+            [answer] = [q.answer for q in interview.questions() if q.key == upload.key] or [""]
+            names = named_pictures(answer)
+            if answer and not names:
+                raise InputError(messages.TYPED_ALREADY.fault(upload.key))
+            path = upload.kept(self.path)
+            names.append(str(path.relative_to(self.path.parent)))
+            try:
+                interview.answered(upload.key, "; ".join(names)).save()
+            except (GrainfitError, OSError):
+                path.unlink(missing_ok=True)
+                raise
+        return self.state()
+
+    def overlay(self, key: str, number: int) -> bytes | None:
+        """Return a picture on which is drawn what was measured; None if there is none."""
+        found = {one.key: one.overlays for one in self._interview().questions()}
+        return Path(found[key][number]).read_bytes() if number < len(found.get(key, ())) else None
 
     def tried(self, key: str, given: str) -> State:
         """Return what an answer would mean; the file stays as it is.
@@ -203,16 +234,26 @@ def _parts(parts: Sequence[str | TextTable]) -> list[Any]:
 
 class _Handler(LocalHandler):
     server: StartServer
-    posts: ClassVar[tuple[str, ...]] = ("answer", "try", "estimate", "plan", "compare", "run")
+    posts: ClassVar[tuple[str, ...]] = (
+        "answer",
+        "picture",
+        "try",
+        "estimate",
+        "plan",
+        "compare",
+        "run",
+    )
 
     @override
     def answer(self, rest: str) -> None:
         if not rest:
-            self.send_page(partial(start_page, self.server.page_start()), "data:")
+            self.send_page(partial(start_page, self.server.page_start()), "data: 'self'")
         elif rest == "state":
             self.send(HTTPStatus.OK, JSON, script_json(self.server.state()))
         elif rest == "sheet":
             self._send_sheet()
+        elif rest.startswith(_OVERLAY):
+            self._send_overlay(*rest.removeprefix(_OVERLAY).partition("/")[::2])
         elif rest.startswith(_HAND_OVER):
             self._hand_over(rest.removeprefix(_HAND_OVER))
         else:
@@ -220,6 +261,11 @@ class _Handler(LocalHandler):
 
     @override
     def change(self, rest: str) -> None:
+        if rest == "picture":
+            upload = self.json_body(Upload.from_plain, LONGEST)
+            if upload is not None:
+                self._send_state(partial(self.server.add_picture, upload))
+            return
         given = self.json_body(_key_and_text)
         if given is None:
             return
@@ -232,8 +278,11 @@ class _Handler(LocalHandler):
             "compare": partial(server.one_at_a_time, server.compare),
             "run": server.start_run,
         }
+        self._send_state(asked[rest])
+
+    def _send_state(self, ask: Callable[[], State]) -> None:
         try:
-            found = asked[rest]()
+            found = ask()
         except (GrainfitError, OSError) as error:
             found = {"refused": _words(error)}
         self.send(HTTPStatus.OK, JSON, script_json(found))
@@ -245,6 +294,13 @@ class _Handler(LocalHandler):
             self.refuse(HTTPStatus.CONFLICT, str(error))
             return
         self.send(HTTPStatus.OK, "application/pdf", sheet)
+
+    def _send_overlay(self, number: str, key: str) -> None:
+        known = number.isdecimal() and self.server.overlay(unquote(key), int(number))
+        if known:
+            self.send(HTTPStatus.OK, "image/png", known)
+        else:
+            self.refuse_page()
 
     def _hand_over(self, name: str) -> None:
         folder = self.server.work_folder
