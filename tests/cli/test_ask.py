@@ -27,7 +27,7 @@ def ask(folder: Path, typed: str, *options: str) -> tuple[str, int]:
 
 
 def test_it_asks_to_the_end_and_shows_the_plan(tmp_path: Path) -> None:
-    typed = BEFORE + LABORATORY + HEAP + "\n\n700 kg/m^3 ± 1 %\n"
+    typed = BEFORE + LABORATORY + HEAP + "\n\n700 kg/m^3 ± 1 %\n\n"
     output, code = ask(tmp_path, typed, "--no-estimate")
 
     assert code == 0, output
@@ -43,7 +43,7 @@ def test_an_end_of_the_answers_keeps_them_and_it_goes_on_there(tmp_path: Path) -
     assert messages.ANSWERS_KEPT.is_in(output)
     assert code == 130
 
-    output, code = ask(tmp_path, TAKEN_BACK + "\n\n\n", "--no-estimate")
+    output, code = ask(tmp_path, TAKEN_BACK + "\n\n\n\n", "--no-estimate")
     assert code == 0, output
     assert "Which material" not in output
     assert "packing has no measured value yet" in output

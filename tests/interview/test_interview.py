@@ -305,3 +305,25 @@ def test_measurements_are_read_as_typed_and_shown_so(text: str, unit: str, targe
 
     assert found == target
     assert read_measured("x", typed(found), unit).target() == target
+
+
+def test_a_bucket_of_small_particles_is_searched_in_smaller_ones(tmp_path: Path) -> None:
+    asked = interview(
+        tmp_path,
+        ("material", "polypropylene pellets"),
+        ("at_hand", "holed_bucket, scale, stop_watch"),
+        ("tests", "discharge"),
+        ("discharge.orifice", "round"),
+        ("discharge.orifice_diameter", "50 mm"),
+        ("discharge.width", "200 mm"),
+        ("discharge.fill_height", "200 mm"),
+        ("discharge.targets.mass_flow", "0.34; 0.35 kg/s"),
+    )
+    assert "discharge.slot_width" not in [one.key for one in asked.questions()]
+    slow, small = asked.plan(), asked.answered("twins", "1500")
+
+    assert not any("full-size" in line for line in slow.lines)
+    assert any("full-size" in line for line in small.plan().lines)
+    assert "twins" not in tomllib.loads(small.answered("twins", "as measured").text)["strategy"]
+    with pytest.raises(gf.InputError, match="at least 100"):
+        asked.answered("twins", "5")

@@ -38,6 +38,8 @@ from grainfit.options.kinds import Choice, Flag
 #: Notes that the file keeps as comments.
 MATERIAL, MOISTURE, AT_HAND, ASKED = "material", "moisture of the sample", "at hand", "asked"
 SPHERE = "sphere"
+#: Key of the size of simulated apparatus, and its answer where they are as in the laboratory.
+TWINS, AS_MEASURED = "twins", "as measured"
 _HEAD = """\
 # Calibration file of grainfit, written by its interview. 'grainfit ask FILE' in a terminal and
 # 'grainfit start FILE' in the browser go on with it, and an editor does as well.
@@ -163,6 +165,15 @@ def set_cohesion(text: str, given: str) -> str:
     if answer == "no" and is_there:
         return without_value(text, (section, key))
     return text
+
+
+def set_twins(text: str, given: str) -> str:
+    """Return the text with smaller apparatus in the search, or with those of the laboratory."""
+    path = ("strategy", TWINS)
+    if given != AS_MEASURED:
+        return with_value(text, path, _toml(given))
+    is_there = TWINS in tomllib.loads(text).get(path[0], {})
+    return without_value(text, path) if is_there else text
 
 
 def set_at_hand(text: str, given: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -33,6 +33,8 @@ class Way:
         Sentences for the operator.
     apparatus : str
         Name of the instrument; empty without one.
+    only : mapping of str to (str, str)
+        Options that another option with a value leads to.
     """
 
     name: str
@@ -41,6 +43,18 @@ class Way:
     options: tuple[str, ...]
     steps: tuple[str, ...]
     apparatus: str = ""
+    only: Mapping[str, Sequence[str]] = field(default_factory=dict)
+
+    def options_of(self, test: Mapping[str, Any]) -> list[str]:
+        """Return the options that the section of a test in a file leads to."""
+        keys = {key.name: key for key in BUILT_IN[self.test].option_keys()}
+        usual = {name: key.default.strip('`"') for name, key in keys.items()}
+
+        def applies(option: str) -> bool:
+            other, value = self.only.get(option, ("", ""))
+            return not other or test.get(other, usual[other]) == value
+
+        return [name for name in self.options if name in keys and applies(name)]
 
     @property
     def title(self) -> str:
@@ -88,7 +102,7 @@ def way_of(test: str, apparatus: str = "", name: str = "") -> Way | None:
         known = _whole(test)
     else:
         return None
-    return Way(name or test, test, known.responses, known.options, known.steps, known.apparatus)
+    return replace(known, name=name or test, test=test)
 
 
 @cache
@@ -109,7 +123,7 @@ def _ways() -> Mapping[str, Mapping[str, Any]]:
 def _whole(test: str) -> Way:
     table = _ways()[test]
     responses, options, steps = (tuple(table[key]) for key in ("responses", "options", "steps"))
-    return Way(test, test, responses, options, steps)
+    return Way(test, test, responses, options, steps, only=table.get("only", {}))
 
 
 def _possible(test: str, at_hand: Collection[str]) -> Way | None:
@@ -118,8 +132,7 @@ def _possible(test: str, at_hand: Collection[str]) -> Way | None:
         if not _has(at_hand, [need] if isinstance(need, str) else need):
             return None
     responses = tuple(name for name, by in table["responses"].items() if _has(at_hand, by))
-    whole = _whole(test)
-    return Way(test, test, responses, whole.options, whole.steps) if responses else None
+    return replace(_whole(test), responses=responses) if responses else None
 
 
 def _has(at_hand: Collection[str], tools: Sequence[str]) -> bool:
@@ -131,5 +144,7 @@ def _of_instrument(name: str) -> Way:
     printed = dict.fromkeys(one.response for one in instrument.prints if one.response)
     responses = tuple(r for r in printed if r in BUILT_IN[instrument.type].responses)
     # What the instrument leaves to its operator.
-    options = [key for key in _whole(instrument.type).options if key not in instrument.options]
-    return Way(name, instrument.type, responses, tuple(options), instrument.procedure, name)
+    whole = _whole(instrument.type)
+    options = tuple(key for key in whole.options if key not in instrument.options)
+    steps = instrument.procedure
+    return Way(name, instrument.type, responses, options, steps, name, whole.only)

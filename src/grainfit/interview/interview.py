@@ -119,6 +119,7 @@ class Interview(OneLine):
             "wall_friction": answers.set_wall_friction,
             "cohesion": answers.set_cohesion,
             "at_hand": answers.set_at_hand,
+            answers.TWINS: answers.set_twins,
             "tests": partial(_with_tests, solver=self.solver),
         }
         if key in edits:

@@ -13,10 +13,12 @@ from grainfit.calibration_file.targets import TargetTable
 from grainfit.formatting import number, unit_for_people, with_unit
 from grainfit.interview import messages
 from grainfit.interview.answers import (
+    AS_MEASURED,
     ASKED,
     MATERIAL,
     MOISTURE,
     SPHERE,
+    TWINS,
     at_hand,
     material_of,
     named_tests,
@@ -56,7 +58,7 @@ class Question:
     help : str
         What to give, and why it matters.
     group : str
-        ``"material"``, ``"laboratory"``, or the name of a test.
+        ``"material"``, ``"laboratory"``, ``"simulation"``, or the name of a test.
     answer : str
         The answer in the file, as one would type it; empty without one.
     options : mapping of str to str
@@ -101,6 +103,7 @@ def questions_of(text: str, file: Path) -> Iterator[Question]:
         found += [*_of_laboratory(text)]
         for number, (name, test) in enumerate(named_tests(text)):
             found += [*_of_test(name, test, number, file)]
+        found += [*_of_simulation(text, data)]
     for one in found:
         yield Question(**{**vars(one), "is_asked": one.key in asked})
 
@@ -209,7 +212,7 @@ def _of_test(name: str, test: Mapping[str, Any], number: int, file: Path) -> Ite
     if kind is None or way is None:
         return
     keys = {key.name: key for key in kind.option_keys()}
-    for option in (name for name in way.options if name in keys):
+    for option in way.options_of(test):
         yield _of_option(name, keys[option], test)
     targets = test.get("targets", {})
     listed = [*way.responses, *(r for r in targets if r in kind.responses)]
@@ -236,6 +239,25 @@ def _of_test(name: str, test: Mapping[str, Any], number: int, file: Path) -> Ite
         )
 
 
+def _of_simulation(text: str, data: Mapping[str, Any]) -> Iterator[Question]:
+    if not named_tests(text):
+        return
+    yield Question(
+        TWINS,
+        "How large are the simulated apparatus?",
+        "A bucket of small particles takes hours a run. Smaller apparatus of the same form take "
+        "seconds: they are searched with, the real ones are predicted from a series of sizes, and "
+        "one run of each verifies them afterwards.",
+        "simulation",
+        str(data.get("strategy", {}).get("twins", AS_MEASURED)),
+        {
+            AS_MEASURED: "for small ones",
+            "1500": "particles at most, smaller than in the laboratory: fast",
+            "3000": "particles at most: slower, and nearer to the real ones",
+        },
+    )
+
+
 def _such_as(unit: str) -> str:
     return f" (such as {example_with(unit)})" if unit else ""
 
@@ -258,7 +280,7 @@ def _of_option(name: str, key: Key, test: Mapping[str, Any]) -> Question:
         name,
         str(value).lower() if isinstance(value, bool) else str(value),
         options,
-        usual=key.default,
+        usual=key.default.replace("`", "").replace('"', ""),
     )
 
 

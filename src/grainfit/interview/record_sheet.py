@@ -82,7 +82,7 @@ def _test(way: Way, test: Mapping[str, Any]) -> Iterator[Flowable]:
             ],
             str(test.get(option, "")),
         ]
-        for option in way.options
+        for option in way.options_of(test)
     ]
     if dimensions:
         yield _table(dimensions, [0.7, 0.3])

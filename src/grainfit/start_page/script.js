@@ -34,7 +34,7 @@
 
   // --- Questions ----------------------------------------------------------------------------------
 
-  const GROUPS = { material: "Material", laboratory: "Laboratory" };
+  const GROUPS = { material: "Material", laboratory: "Laboratory", simulation: "Simulation" };
   const say = (key, kind, text) => {
     const [field, line] = [at(idOf(key)), at(`${idOf(key)}-said`)];
     if (!line) {
