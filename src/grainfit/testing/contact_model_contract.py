@@ -540,7 +540,7 @@ class EpsdContract(RollingContract):
     def test_the_dashpot_acts_within_or_beyond_the_rolling_limit(
         self, program: SingleContacts, roll: Callable[..., float]
     ) -> None:
-        # The known difference of the solvers, which docs/heap_test.md explains.
+        # The known difference of the solvers, which docs/contact_law.md explains.
         after = roll(0.3, 0.15, _damped(self.damping))
         for dashpot in _DASHPOTS:
             expected = _braked_speed(0.3, 0.15, self.friction, self.damping, dashpot)
