@@ -23,7 +23,9 @@ from grainfit.preview.geometry import Geometry, geometry_of
 from grainfit.scenes.packing import Column
 from tools.line_drawing import Panel, Point, drawing, overview, section
 
-IMAGES = Path(__file__).parents[1] / "docs" / "images"
+_ROOT = Path(__file__).parents[1]
+#: The picture of a test is shipped with it: the interview shows it, too.
+TESTS, IMAGES = _ROOT / "src" / "grainfit" / "bulk_tests", _ROOT / "docs" / "images"
 _D = 0.01
 #: A material to build scenes with: no dimension follows it.
 _MATERIAL = {
@@ -577,7 +579,7 @@ def picture(name: str) -> str:
 
 def path_of(name: str) -> Path:
     """Return the file of a picture."""
-    return IMAGES / (f"{name}_test.svg" if name in PICTURES else f"{name}.svg")
+    return TESTS / name / "apparatus.svg" if name in PICTURES else IMAGES / f"{name}.svg"
 
 
 if __name__ == "__main__":

@@ -24,7 +24,8 @@ def test_a_picture_is_that_of_the_test_as_it_is_now(name: str) -> None:
     is_written = pictures.picture(name) == path.read_text(encoding="utf-8")
     assert is_written, "run: python -m tools.apparatus_pictures"
     page = DOCS / ("choosing_tests.md" if name == "tests" else f"{name}_test.md")
-    assert f"](images/{path.name})" in page.read_text(encoding="utf-8")
+    shown = re.findall(r"!\[[^]]*\]\(([^)]*)\)", page.read_text(encoding="utf-8"))
+    assert path in [(DOCS / one).resolve() for one in shown]
     assert path.stat().st_size < 20_000
 
 
