@@ -1,11 +1,16 @@
 """The interview: answers become a calibration file, of which nothing else changes."""
 
 import tomllib
+from collections import Counter
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from pypdfium2 import PdfDocument
+from reportlab.graphics.shapes import Circle, Group, String
+from reportlab.graphics.shapes import Path as Line
 
 import grainfit as gf
 from grainfit.bulk_tests.registry import BUILT_IN
@@ -13,6 +18,7 @@ from grainfit.interview import messages
 from grainfit.interview.answers import is_measured, named_tests
 from grainfit.interview.equipment import equipment, way_of, ways
 from grainfit.interview.measured import read_measured, typed
+from grainfit.pdf.line_drawing import line_drawing
 
 OWN = """\
 # my own remarks
@@ -273,8 +279,26 @@ def test_the_sheet_has_steps_and_blanks_of_the_chosen_tests(tmp_path: Path) -> N
     assert "40 mm" in text
     assert "Base radius, mm" in text
     assert "packing: poured container" in text
+    # In the drawing.
+    assert "cylinder_radius" in text
     with pytest.raises(gf.InputError, match=messages.NO_SHEET.pattern):
         interview(tmp_path, *BEGUN[:2]).record_sheet()
+
+
+def test_every_way_has_a_drawing_whose_marks_are_all_on_paper() -> None:
+    for way in ways(equipment()):
+        marks = ElementTree.fromstring(way.drawing).iter()
+        wanted = Counter(_SHAPES.get(one.tag.partition("}")[2]) for one in marks)
+        drawn = Counter(type(one) for one in _leaves(line_drawing(way.drawing, 500.0)))
+        assert {kind: count for kind, count in wanted.items() if kind} == drawn
+
+
+_SHAPES = {"path": Line, "circle": Circle, "text": String}
+
+
+def _leaves(group: Group) -> Iterator[object]:
+    for one in group.contents:
+        yield from _leaves(one) if isinstance(one, Group) else [one]
 
 
 def test_equipment_names_what_there_is() -> None:

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,12 @@ class Way:
             return not other or test.get(other, usual[other]) == value
 
         return [name for name in self.options if name in keys and applies(name)]
+
+    @property
+    def drawing(self) -> str:
+        """Drawing of the apparatus with its dimensions as SVG; empty where there is none."""
+        drawing = files(BUILT_IN[self.test].__module__.rpartition(".")[0]) / "apparatus.svg"
+        return drawing.read_text(encoding="utf-8") if drawing.is_file() else ""
 
     @property
     def title(self) -> str:

@@ -183,6 +183,11 @@ class Interview(OneLine):
         """Sentences for the operator of each test, by its name."""
         return {way.name: way.steps for way, _ in self._ways()}
 
+    @property
+    def drawings(self) -> dict[str, str]:
+        """Drawing of the apparatus of each test as SVG, by its name."""
+        return {way.name: way.drawing for way, _ in self._ways() if way.drawing}
+
     def _ways(self) -> list[tuple[Way, dict[str, Any]]]:
         found = (
             (way_of(str(test.get("type")), str(test.get("apparatus", "")), name), test)

@@ -25,6 +25,7 @@ from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.formatting import plain, unit_for_people
 from grainfit.interview.equipment import Way
 from grainfit.pdf import BOLD, REGULAR, use_fonts
+from grainfit.pdf.line_drawing import line_drawing
 
 _MARGIN, _REPEATS = 16 * mm, 5
 _WIDTH = A4[0] - 2 * _MARGIN
@@ -72,7 +73,8 @@ def _test(way: Way, test: Mapping[str, Any]) -> Iterator[Flowable]:
     keys = {key.name: key for key in kind.option_keys()}
     yield Spacer(0, 5 * mm)
     steps = [_paragraph(f"{number}. {step}", _TEXT) for number, step in enumerate(way.steps, 1)]
-    yield KeepTogether([_paragraph(f"{way.name}: {way.title}", _HEADING), *steps])
+    drawing = [line_drawing(way.drawing, _WIDTH)] if way.drawing else []
+    yield KeepTogether([_paragraph(f"{way.name}: {way.title}", _HEADING), *steps, *drawing])
     yield Spacer(0, 2 * mm)
     dimensions = [
         [

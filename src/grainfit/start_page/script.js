@@ -219,6 +219,13 @@
           section.append(element("details", {}, element("summary", { textContent: "How to measure" }),
             element("ol", {}, ...steps.map((step) => element("li", { textContent: step })))));
         }
+        const drawing = state.drawings[question.group];
+        if (drawing) {
+          section.append(element("img", {
+            src: `data:image/svg+xml,${encodeURIComponent(drawing)}`,
+            alt: "The apparatus, with its dimensions and what is measured", className: "apparatus",
+          }));
+        }
         sections.set(question.group, section);
       }
       const section = sections.get(question.group);

@@ -71,6 +71,7 @@ class StartServer(LocalServer):
             "remark": interview.remark,
             "left": list(interview.left),
             "steps": interview.steps,
+            "drawings": interview.drawings,
             "run": self._run_state(),
         }
 
