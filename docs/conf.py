@@ -26,7 +26,7 @@ extensions = [
     "plain_attributes",
     "repository_pages",
 ]
-exclude_patterns = ["_extensions", "_templates", "gallery", "recorded"]
+exclude_patterns = ["_extensions", "_templates", "gallery", "notebooks", "recorded"]
 templates_path = ["_templates"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 
@@ -47,11 +47,13 @@ html_title = f"grainfit {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
+html_favicon = "_static/favicon.svg"
+html_search_scorer = str(HERE / "_static" / "search.js")
 copybutton_prompt_text = "$ "
 
 sphinx_gallery_conf = {
-    "examples_dirs": "gallery",
-    "gallery_dirs": "generated/gallery",
+    "examples_dirs": ["gallery", "notebooks"],
+    "gallery_dirs": ["generated/gallery", "generated/notebooks"],
     "filename_pattern": "/plot_",
     "within_subsection_order": "ExampleTitleSortKey",
     "capture_repr": ("_repr_html_",),

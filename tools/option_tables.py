@@ -1,12 +1,11 @@
-"""Write the tables of options in docs/calibration_file.md from the declarations of the options.
+"""Write the tables of options in docs/reference/calibration_file from their declarations.
 
 Instruments are in docs/instruments.md, from their files.
 
 python tools/option_tables.py
 
 Responses and options of each built-in test, the options of the [strategy] section, and those of
-particle size distributions, stand between two comments of that page each; a new test gets its
-section at the end of the others.
+particle size distributions, stand between two comments of a page each; a new test gets its page.
 """
 
 from __future__ import annotations
@@ -29,29 +28,44 @@ from grainfit.solvers.file_entry import TestType
 from grainfit.solvers.registry import types_of_test
 from grainfit.strategies.registry import DEFAULT_STRATEGY, strategies
 
-PAGE = Path(__file__).parents[1] / "docs" / "calibration_file.md"
-INSTRUMENTS_PAGE = PAGE.with_name("instruments.md")
+DOCS = Path(__file__).parents[1] / "docs"
+FOLDER = DOCS / "reference" / "calibration_file"
 TESTS = {**BUILT_IN, OWN_SCENE.type: OWN_SCENE}
 _NONE = "–"
-_END = "<!-- end of the bulk tests -->"
 _STRATEGY, _SIZES, _INSTRUMENTS = "[strategy]", "particle sizes", "instruments"
 
 
-def updated(page: str) -> str:
-    """Return the page with all tables as the options are declared now."""
-    for name in TESTS:
-        begin, end = _marks(name)
-        if begin not in page:
-            page = page.replace(_END, f"{_heading(name)}\n\n{begin}\n{end}\n\n{_END}")
-        page = _with_tables(page, name, _test_tables(types_of_test()[name]))
-    page = _with_tables(page, _SIZES, _size_tables())
-    return _with_tables(page, _STRATEGY, _strategy_tables())
+def pages() -> dict[Path, str]:
+    """Return every page that has such tables, as the options are declared now."""
+    written = {
+        FOLDER / "particle.md": (_SIZES, _size_tables()),
+        FOLDER / "strategy.md": (_STRATEGY, _strategy_tables()),
+        DOCS / "instruments.md": (_INSTRUMENTS, _instruments()),
+    }
+    written |= {page_of(name): (name, _test_tables(types_of_test()[name])) for name in TESTS}
+    return {page: _with_tables(page, *tables) for page, tables in written.items()}
 
 
-def with_instruments(page: str) -> str:
-    """Return the page with every instrument as its file is now."""
-    parts = (_instrument(read_instrument(name)) for name in instrument_names())
-    return _with_tables(page, _INSTRUMENTS, "\n\n".join(parts))
+def page_of(name: str) -> Path:
+    """Return the page of a test."""
+    return FOLDER / "tests" / f"{name}.md"
+
+
+def _with_tables(page: Path, name: str, tables: str) -> str:
+    begin, end = f"<!-- {name}: written by tools/option_tables.py -->", f"<!-- end of {name} -->"
+    if page.is_file():
+        text = page.read_text(encoding="utf-8")
+    else:
+        title = f'# `type = "{name}"`: {TESTS[name].title}' if name in TESTS else ""
+        text = f"{title}\n\n{begin}\n{end}\n"
+    to_docs = "../" * len(page.relative_to(DOCS).parent.parts)
+    linked = re.sub(r"\]\((?=\w+\.md)", f"]({to_docs}", tables)
+    pattern = f"{re.escape(begin)}.*{re.escape(end)}"
+    return re.sub(pattern, lambda _: f"{begin}\n\n{linked}\n\n{end}", text, flags=re.DOTALL)
+
+
+def _instruments() -> str:
+    return "\n\n".join(_instrument(read_instrument(name)) for name in instrument_names())
 
 
 def _instrument(instrument: Instrument) -> str:
@@ -71,20 +85,6 @@ def _instrument(instrument: Instrument) -> str:
             _table(("the report prints", "response", ""), prints),
         ]
     )
-
-
-def _marks(name: str) -> tuple[str, str]:
-    return f"<!-- {name}: written by tools/option_tables.py -->", f"<!-- end of {name} -->"
-
-
-def _with_tables(page: str, name: str, tables: str) -> str:
-    begin, end = _marks(name)
-    pattern = f"{re.escape(begin)}.*{re.escape(end)}"
-    return re.sub(pattern, lambda _: f"{begin}\n\n{tables}\n\n{end}", page, flags=re.DOTALL)
-
-
-def _heading(name: str) -> str:
-    return f'### `type = "{name}"`: {TESTS[name].title}'
 
 
 def _test_tables(kind: TestType) -> str:
@@ -168,8 +168,8 @@ def _line(cells: tuple[str, ...]) -> str:
 def main() -> None:
     """Write the pages."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    for page, written in ((PAGE, updated), (INSTRUMENTS_PAGE, with_instruments)):
-        page.write_text(written(page.read_text(encoding="utf-8")), encoding="utf-8")
+    for page, text in pages().items():
+        page.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from grainfit.solvers.registry import types_of_test
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 GLASS_BEADS = (EXAMPLES / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
-DOCS = Path(__file__).parents[2] / "docs" / "calibration_file.md"
+REFERENCE = Path(__file__).parents[2] / "docs" / "reference" / "calibration_file"
 
 VALIDATOR = jsonschema.Draft202012Validator(calibration_file_schema())
 
@@ -91,12 +91,12 @@ def test_every_example_value_in_the_schema_is_good() -> None:
 
 
 def test_every_key_is_in_the_reference() -> None:
-    text = DOCS.read_text(encoding="utf-8")
+    text = "".join(page.read_text(encoding="utf-8") for page in REFERENCE.rglob("*.md"))
     keys = keys_of(LAYOUT.schema())
     assert [key for key in keys if f"`{key}`" not in text and f"[{key}]" not in text] == []
 
 
 def test_the_keys_of_all_tests_name_every_type() -> None:
-    lines = DOCS.read_text(encoding="utf-8").splitlines()
+    lines = (REFERENCE / "test.md").read_text(encoding="utf-8").splitlines()
     [row] = [line for line in lines if line.startswith("| `type` |") and "Required" in line]
     assert set(re.findall(r'`"(\w+)"`', row)) == set(types_of_test())

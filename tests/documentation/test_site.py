@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -29,6 +30,79 @@ sliding_fricton = 0.4
 [[test]]
 type = "heap"
 """
+#: The page that comes first for what users type.
+FIRST_HITS = {
+    "funnel": "funnel_test",
+    "poured angle of repose": "funnel_test",
+    "angle of repose": "heap_test",
+    "hopper": "hopper_test",
+    "silo and a stop watch": "hopper_test",
+    "ring shear tester": "shear_cell_test",
+    "Schulze": "shear_cell_test",
+    "phi_lin": "shear_cell_test",
+    "internal_friction_angle": "shear_test",
+    "moisture": "cohesion",
+    "damp sand": "cohesion",
+    "EDEM": "export",
+    "Rocky": "export",
+    "PFC": "export",
+    "MercuryDPM": "export",
+    "how long does it take": "questions",
+    "How long does a calibration take?": "questions",
+    "undecided": "questions",
+    "how to begin with my own material": "interview",
+    "rape seed": "starting_materials",
+    "200 mm bucket": "size",
+    "too many particles": "size",
+    "protractor": "reference/calibration_file/targets",
+    "wall friction": "reference/calibration_file/walls",
+    "decimal comma": "tables",
+    "phone": "photos",
+    "slurm": "clusters",
+    "jupyter notebook": "generated/notebooks/plot_bouncing_bead",
+    "STL file of a hopper": "own_scenes",
+}
+#: Pages that come last, unless a query asks for them.
+DEVELOPERS = ("developers/", "studies/", "architecture", "building_the_site", "generated/c")
+#: Searches as a page of the site does; its argument is JSON: scripts to load, then queries.
+SEARCH = """
+const [scripts, queries] = JSON.parse(process.argv[1]);
+const loaded = [];
+globalThis.window = globalThis;
+globalThis.document = { addEventListener: (_, f) => loaded.push(f), getElementById: () => null };
+globalThis._ready = () => {};
+globalThis._ = (text) => text;
+globalThis.SPHINX_HIGHLIGHT_ENABLED = false;
+const { readFileSync } = require("node:fs");
+const { runInThisContext } = require("node:vm");
+scripts.forEach((script) => runInThisContext(readFileSync(script, "utf8"), script));
+loaded.forEach((f) => f());
+const search = runInThisContext(`typeof Search === "undefined"
+  ? pagesForUse
+  : (query) => Search._performSearch(...Search._parseQuery(query)).reverse()`);
+const pages = (query) => search(query).map(([page]) => page);
+const found = Object.fromEntries(queries.map((query) => [query, pages(query)]));
+console.log(JSON.stringify([found, Object.keys(runInThisContext(`USES`))]));
+"""
+needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="Node.js is not installed")
+
+
+def searched(*scripts: Path) -> tuple[dict[str, list[str]], list[str]]:
+    """Return the pages that the queries find, and the pages that have uses."""
+    given = json.dumps([list(map(str, scripts)), [*FIRST_HITS, "LAMMPS", "time step"]])
+    done = subprocess.run(
+        ["node", "-e", SEARCH, given], capture_output=True, text=True, timeout=60, check=True
+    )
+    found, pages = json.loads(done.stdout)
+    return found, pages
+
+
+@needs_node
+def test_a_search_by_use_has_the_answer_first() -> None:
+    found, pages = searched(DOCS / "_static" / "search.js")
+    assert {query: found[query][0] for query in FIRST_HITS} == FIRST_HITS
+    of_the_repository = [page for page in pages if not page.startswith("generated/")]
+    assert [page for page in of_the_repository if not (DOCS / f"{page}.md").is_file()] == []
 
 
 @pytest.mark.slow
@@ -54,7 +128,18 @@ def test_the_site_is_built_without_a_warning(theme: str, tmp_path: Path) -> None
     assert "Plotly.newPlot" in figure
     assert (site / "_static" / "plotly.min.js").is_file()
     for page in ("benchmarks", "decisions"):
-        assert f'"developers/{page}.html" + location.hash' in (site / f"{page}.html").read_text()
+        assert f'"developers/{page}.html"' in (site / f"{page}.html").read_text()
+    moved = (site / "calibration_file.html").read_text(encoding="utf-8")
+    assert '"several-walls": "reference/calibration_file/walls.html"' in moved
+    assert (site / "_static" / "favicon.svg").is_file()
+    if shutil.which("node"):
+        tools, language = site / "_static" / "searchtools.js", site / "_static" / "language_data.js"
+        found, _ = searched(tools, language, site / "searchindex.js")
+        assert {query: found[query][0] for query in FIRST_HITS} == FIRST_HITS
+        for query in ("LAMMPS", "time step"):
+            last = [page.startswith(DEVELOPERS) for page in found[query]]
+            assert any(last)
+            assert last == sorted(last), query
 
 
 def test_dir_shows_the_names_of_the_reference_and_no_others() -> None:
@@ -79,15 +164,32 @@ def test_dir_shows_the_names_of_the_reference_and_no_others() -> None:
 
 
 def test_every_page_is_in_a_table_of_contents() -> None:
-    listed = re.findall(
-        r"^([\w/]+)$", (DOCS / "index.md").read_text(encoding="utf-8"), re.MULTILINE
-    )
     pages = {
-        path.relative_to(DOCS).with_suffix("").as_posix()
+        path.relative_to(DOCS).with_suffix("")
         for path in DOCS.rglob("*.md")
         if not {"generated", "recorded"} & set(path.relative_to(DOCS).parts)
     }
-    assert pages - set(listed) == {"index"}
+    listed: set[Path] = set()
+    for page in pages:
+        text = (DOCS / page).with_suffix(".md").read_text(encoding="utf-8")
+        for block in re.findall(r"```\{toctree\}\n(.*?)```", text, re.DOTALL):
+            for entry in re.findall(r"^[\w./]+$", block, re.MULTILINE):
+                listed.add((DOCS / page.parent / entry).resolve().relative_to(DOCS))
+    assert pages - listed == {Path("index")}
+
+
+def test_links_between_pages_lead_to_files_and_headings() -> None:
+    for path in DOCS.rglob("*.md"):
+        if {"generated", "recorded"} & set(path.relative_to(DOCS).parts):
+            continue
+        text = path.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^):\s]+)\)", text):
+            file, _, anchor = target.partition("#")
+            to = (path.parent / file).resolve() if file else path
+            if DOCS / "generated" in to.parents:
+                continue
+            assert to.exists(), f"{path}: {target}"
+            assert not anchor or anchor in anchors(to), f"{path}: {target}"
 
 
 def test_every_decision_has_context_decision_and_consequence_in_six_lines() -> None:

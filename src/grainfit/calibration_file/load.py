@@ -28,7 +28,7 @@ from grainfit.problem import Parameter
 _DEEP_KEY = re.compile(
     r"""(?<![\w"'-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){33}"""
 )
-_NOT_TOML = "It must be a TOML file; docs/calibration_file.md shows one."
+_NOT_TOML = "It must be a TOML file; docs/reference/calibration_file shows one."
 
 
 def load_calibration_file(

@@ -100,7 +100,7 @@ name = "sequential"                     # every run where it helps most; or "sta
 # wanted_half_width = "25 %"            # go on until the 95 % intervals are that narrow
 
 # A DEM model of your own, instead of these tests or beside them, and all other keys:
-# docs/calibration_file.md; runs in jobs of a cluster: docs/clusters.md
+# docs/reference/calibration_file; runs in jobs of a cluster: docs/clusters.md
 """
 
 

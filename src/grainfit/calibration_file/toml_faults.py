@@ -20,7 +20,7 @@ _TRUTH = ("true", "false", "yes", "no", "on", "off")
 #: Beginnings of what `tomllib` says of a key or a section that is there already.
 _GIVEN_TWICE = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot declare")
 _CLOSED_TABLE = "Cannot mutate immutable namespace"
-_NOT_TOML = "It must be a TOML file; docs/calibration_file.md shows one."
+_NOT_TOML = "It must be a TOML file; docs/reference/calibration_file shows one."
 
 
 def toml_fault(text: str, error: ValueError) -> tuple[str, str, int | None]:
