@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from typer.testing import CliRunner, Result
 
+from grainfit.animation.animation import AnimatedRun, animation_page
 from grainfit.animation.drawn_film import draw_film
-from grainfit.animation.page import AnimatedRun, animation_page
 from grainfit.cli.app import app
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.film import FILM, Film

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grainfit.bulk_tests.own_scene.start import beside_all_tubes, without_wall_below
+from grainfit.bulk_tests.own_scene.checks import beside_all_tubes, without_wall_below
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.scene import Box, Scene, Wall

@@ -19,7 +19,7 @@ from grainfit.bulk_tests.abilities import material_faults
 from grainfit.bulk_tests.natural_units import natural_run
 from grainfit.bulk_tests.shear import Shear
 from grainfit.bulk_tests.shear.flow import Frame, block_mean, velocity_profile
-from grainfit.bulk_tests.shear.plates import PlateLayout, plate_layout
+from grainfit.bulk_tests.shear.setup import PlateLayout, plate_layout
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Response

@@ -14,8 +14,7 @@ from small_heaps import SMALL_HEAP
 from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.solvers.dem.lammps.without_wrapper import without_wrapper
+from grainfit.solvers.dem.lammps.program import Lammps, without_wrapper
 from grainfit.testing.materials import GLASS_BEADS
 
 LMP = Lammps(Heap(diameter="10 mm"), {})._program()

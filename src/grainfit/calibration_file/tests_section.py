@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
+from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.calibration_file.balances import BALANCE, WEIGHED, balance_table
 from grainfit.calibration_file.content import TestSpecification
-from grainfit.calibration_file.correlations import CORRELATIONS, note_bad_correlations
 from grainfit.calibration_file.curves import (
     CURVE_EXAMPLE,
     CURVE_OF_TABLE,
@@ -24,14 +25,25 @@ from grainfit.calibration_file.curves import (
     RefusedCurve,
 )
 from grainfit.calibration_file.drums import FILMED, drum_tables
-from grainfit.calibration_file.instruments import apparatus_key, with_instrument
 from grainfit.calibration_file.photos import PHOTOGRAPHED, PHOTOS, photo_table
 from grainfit.calibration_file.targets import OrMeasured, PlannedTargetTable, TargetTable
+from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
-from grainfit.options.kinds import Choice, Kind, Name, Schema, Whole, note_wrong_kind
+from grainfit.options.kinds import (
+    Choice,
+    Kind,
+    ListOf,
+    Name,
+    Quantity,
+    Schema,
+    Text,
+    Whole,
+    note_wrong_kind,
+)
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
 from grainfit.problem import CurveTarget
+from grainfit.problem.correlations import Correlation, correlation_faults
 from grainfit.solvers.file_entry import TestType
 from grainfit.solvers.other_names import instead_of_test
 from grainfit.solvers.registry import types_of_test
@@ -47,6 +59,8 @@ _REPEATS = Key(
     default="1",
     example="3",
 )
+#: Its limits, which are no coefficients, are those of every interface: see `correlation_faults`.
+_COEFFICIENT = Quantity("")
 
 
 def layout_of_test(
@@ -268,3 +282,121 @@ def _note_equal_names(tests: list[Any], place: Place) -> None:
                 f"{show(name)} is the name of another test too.",
                 'Give each test its own name: name = "...".',
             )
+
+
+@dataclass(frozen=True)
+class CorrelatedPair(Kind):
+    """Two responses and the correlation of the errors of their measured values."""
+
+    def read(self, value: Any, place: Place) -> Correlation | None:
+        """Read two names and a coefficient."""
+        if not isinstance(value, list) or len(value) != 3:
+            remedy = 'Write ["first", "second", 0.8].'
+            note_wrong_kind(value, place, "two responses and a coefficient", remedy)
+            return None
+        first, second = (Text().read(name, place.at(i)) for i, name in enumerate(value[:2]))
+        coefficient = _COEFFICIENT.read(value[2], place.at(2))
+        if first is None or second is None or coefficient is None:
+            return None
+        return first, second, coefficient
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a pair."""
+        coefficient = {**_COEFFICIENT.schema(), "exclusiveMinimum": -1, "exclusiveMaximum": 1}
+        entries = [Text().schema(), Text().schema(), coefficient]
+        return {"type": "array", "prefixItems": entries, "minItems": 3, "maxItems": 3}
+
+
+CORRELATIONS = Key(
+    "correlations",
+    ListOf(CorrelatedPair()),
+    "Correlations of the errors of the measured values of this test: pairs of responses, each with "
+    "its coefficient between -1 and 1.",
+    example='[["bulk_density", "angle_of_repose", 0.5]]',
+)
+
+
+def note_bad_correlations(
+    correlations: Sequence[Correlation], responses: Sequence[str], place: Place
+) -> bool:
+    """Return whether correlations are not those of the responses, and note why."""
+    faults = correlation_faults(responses, correlations, "")
+    for fault in faults:
+        index = fault.key.strip("[]")
+        (place.at(int(index)) if index else place).fault(fault.message, fault.remedy)
+    return bool(faults)
+
+
+@dataclass(frozen=True)
+class InstrumentOf(Kind):
+    """The name of an instrument that does a test.
+
+    Parameters
+    ----------
+    test : str
+        Type of the test.
+    """
+
+    test: str
+
+    def read(self, value: Any, place: Place) -> Instrument | None:
+        """Read the instrument of this name."""
+        if not isinstance(value, str):
+            note_wrong_kind(value, place, "a text", 'Write it in quotes: "...".')
+            return None
+        try:
+            found = read_instrument(value)
+        except InputError as error:
+            for fault in error.faults:
+                place.fault(fault.message, fault.remedy)
+            return None
+        if found.type == self.test:
+            return found
+        fault = messages.OTHER_TYPE.fault("", name=value, type=found.type)
+        place.fault(fault.message, fault.remedy)
+        return None
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema: any text, with the names of the instruments as examples."""
+        return {"type": "string", "examples": list(instrument_names(self.test))}
+
+
+def apparatus_key(test: str) -> Key | None:
+    """Return the key of the instruments of a type of test; None if there are none."""
+    names = instrument_names(test)
+    if not names:
+        return None
+    return Key(
+        "apparatus",
+        InstrumentOf(test),
+        "Instrument of the laboratory, by its name: it gives the options of its dimensions; those "
+        "that stand beside it override them.",
+        default="none",
+        example=f'"{names[0]}"',
+    )
+
+
+def with_instrument(
+    test: Mapping[str, Any], place: Place
+) -> tuple[Mapping[str, Any], Instrument | None]:
+    """Return a test with the options of its instrument where the file gives none.
+
+    Parameters
+    ----------
+    test : mapping of str to object
+        The table of the file, with its type.
+    place : Place
+        Where it is.
+
+    Returns
+    -------
+    tuple of mapping and Instrument
+        The table without the key of the instrument, and the instrument; as it was, and None,
+        without one, or with one that cannot be read, whose fault is noted.
+    """
+    key = apparatus_key(test["type"])
+    if key is None or key.name not in test:
+        return test, None
+    instrument = key.kind.read(test[key.name], place.at(key.name))
+    own = {name: value for name, value in test.items() if name != key.name}
+    return ({**instrument.values, **own}, instrument) if instrument else (own, None)

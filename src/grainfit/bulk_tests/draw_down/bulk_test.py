@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
-from grainfit.bulk_tests.draw_down.smooth_walls import smooth_walls
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
@@ -38,10 +37,11 @@ from grainfit.bulk_tests.shared.validity import (
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
+from grainfit.checks import Check, Found, check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.materials.particle_shape import ASPECT_RATIO
+from grainfit.materials.walls import plain_name
 from grainfit.measurement.bulk_density import bulk_density_in_box
 from grainfit.measurement.flow_rate import flow_rate
 from grainfit.measurement.particles import Particles, write_vtk
@@ -58,6 +58,23 @@ _FLOOR = "floor"
 _STARTER = "by default that of the walls, off which most heaps roll"
 #: Rolling friction of walls on which heaps spread beyond the floor, and that of a rough floor.
 _SMOOTH, _ROUGH = 0.05, 0.5
+
+
+#: At a rolling friction of 0.005, beds roll off the shelf one by one for more than 7 s.
+_LEAST = 0.02
+
+
+@check("smooth-walls", "warning")
+def smooth_walls(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Walls so smooth that particles roll on them for longer than the test waits."""
+    for key, value in checked.lowest.items():
+        if plain_name(key) == "particle_wall.rolling_friction" and value < _LEAST:
+            yield (
+                key,
+                f"with {key} = {value:g}, particles roll on its walls for long, so that runs may "
+                f"fail because the bed does not come to rest. Give {_LEAST:g} or more if your "
+                "apparatus is not that smooth, or a longer settling_time_limit.",
+            )
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -12,10 +12,9 @@ import numpy as np
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
-from grainfit.bulk_tests.drum.end_caps import no_end_caps
-from grainfit.bulk_tests.drum.rolling_regime import fast_drum
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
@@ -25,7 +24,7 @@ from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
+from grainfit.checks import Check, Found, check
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.measurement.particles import Particles, write_vtk
@@ -45,6 +44,30 @@ _TURNS = Quantity("", above_zero=True, highest=1e3)
 #: End caps, at the two ends of the axis.
 _CAPS = ("cap", "other_cap")
 _INCLINATION = "The surface of a bed does not overhang."
+
+
+#: Froude number from which beds cascade (Mellmann, Powder Technology 118, 2001: rolling from 1e-4
+#: to 1e-2, cascading up to 1e-1, cataracting above).
+_FASTEST_ROLLING = 0.02
+
+
+@check("fast-drum", "warning")
+def fast_drum(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Drums beyond the rolling regime, whose surface is bent."""
+    froude = checked.test.setup.speed_as_froude_number
+    if froude > _FASTEST_ROLLING:
+        yield (
+            "rotational_speed" if checked.test.froude_number is None else "froude_number",
+            messages.FAST_DRUM(froude=froude, fastest=_FASTEST_ROLLING),
+        )
+
+
+@check("no-end-caps", "warning")
+def no_end_caps(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Drums without end caps in a file that says what these are made of."""
+    wall = checked.walls.get("caps")
+    if wall and not checked.test.end_caps:
+        yield "end_caps", messages.NO_END_CAPS(wall=wall)
 
 
 @dataclass(frozen=True)

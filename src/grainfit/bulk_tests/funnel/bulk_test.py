@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,8 +14,7 @@ from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.funnel import messages
-from grainfit.bulk_tests.funnel.reaches_funnel import funnel_in_heap
-from grainfit.bulk_tests.funnel.setup import FunnelSetup
+from grainfit.bulk_tests.funnel.setup import FunnelSetup, cone_height
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.heap_view import HeapView
@@ -40,9 +40,10 @@ from grainfit.bulk_tests.shared.validity import arch, require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
+from grainfit.checks import Check, Found, check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured
+from grainfit.formatting import millimetres
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.measurement.messages import TWO_SLOPES
 from grainfit.measurement.particles import Particles, write_vtk
@@ -66,6 +67,29 @@ _AT_EDGE = (
 _CLEARANCE = 1.5
 #: Largest share of the particles that may stay in an open funnel.
 _LARGEST_REST = 0.02
+
+
+_STEEPEST = 90.0
+
+
+@check("funnel-in-heap", "warning")
+def funnel_in_heap(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Funnels so low that the measured heap grows into them."""
+    setup, diameter = checked.test.setup, checked.test.sizes.sauter_diameter
+    angle, apex = (checked.targets.get(name) for name in ("angle_of_repose", "heap_height"))
+    if apex is None and angle is not None and 0 < angle < _STEEPEST:
+        apex = cone_height(setup.heap_volume, angle)
+        if setup.is_disc:
+            apex = min(apex, setup.plate_radius * math.tan(math.radians(angle)))
+    if apex is not None and setup.raise_speed == 0 and apex > setup.funnel_height - diameter:
+        yield (
+            "funnel_height",
+            messages.FUNNEL_IN_HEAP(
+                apex=millimetres(apex),
+                height=millimetres(setup.funnel_height),
+                least=millimetres(apex + 2 * diameter),
+            ),
+        )
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from grainfit.bulk_tests.discharge import Discharge
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.hopper.setup import HopperSetup
-from grainfit.bulk_tests.hopper.view import HopperView
 from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH
@@ -224,3 +223,35 @@ class Hopper(Discharge):
         diameter = self.sizes.sauter_diameter
         ends = (run.snapshot(END), series["time"], series[INSIDE])
         return HopperView(self.setup, *ends, diameter, bed)
+
+
+@dataclass(frozen=True)
+class HopperView(DischargeView):
+    """The end of one discharge of a hopper.
+
+    Parameters
+    ----------
+    bed : Particles
+        All particles before the outlet was opened. They are drawn if the hopper has run empty.
+    """
+
+    bed: Particles
+
+    @property
+    def drawn(self) -> Particles:
+        """Particles at the end, or at the beginning if none are left."""
+        return self.bed if self._is_empty else self.end
+
+    @property
+    def drawn_when(self) -> str:
+        """When it was as it is drawn, if not at the end: the end of a sentence."""
+        return "; it has run empty, and is drawn as it was filled" if self._is_empty else ""
+
+    @property
+    def _is_empty(self) -> bool:
+        return not (self.end.positions[:, 2] > 0).any()
+
+    @property
+    def _height(self) -> float:
+        """Height of the bed at the beginning, m: it follows from the mass that was filled in."""
+        return float((self.bed.positions[:, 2] + self.bed.radii).max())

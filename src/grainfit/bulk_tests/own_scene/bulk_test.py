@@ -14,7 +14,6 @@ from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest, read
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.checks import forces_after_fill, particles_not_held
-from grainfit.bulk_tests.own_scene.options import OptionValue
 from grainfit.bulk_tests.own_scene.picture import ParticlesView, draw_particles
 from grainfit.bulk_tests.own_scene.trial import require_return
 from grainfit.bulk_tests.own_scene.user_function import call, name_of
@@ -29,8 +28,9 @@ from grainfit.files import LARGEST_MODEL, read_within, write_atomically
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.options.fields import Amount, read_options
 from grainfit.options.functions import Function
-from grainfit.options.kinds import ListOf
+from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.paths import Located
+from grainfit.options.places import Place
 from grainfit.options.python_file import PythonFile
 from grainfit.options.tables import Key, Named
 from grainfit.scenes.duration import expected_duration
@@ -39,6 +39,7 @@ from grainfit.scenes.packing import Column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Scene, Wall
 from grainfit.scenes.shapes import Mesh, Shape
+from grainfit.units import UnitError, to_si
 
 #: Name of the snapshot of the last stage, which every run leaves.
 END = "end"
@@ -46,6 +47,33 @@ END = "end"
 FUNCTIONS = "functions"
 _PICTURE = "particles.png"
 _SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class OptionValue(Kind):
+    """A number, a quantity with a unit, a text, true or false."""
+
+    def read(self, value: Any, place: Place) -> bool | int | float | str | None:
+        """Read a value; a quantity with a unit becomes a number in SI units."""
+        if isinstance(value, bool):
+            return value
+        if isinstance(value, int | float):
+            good = Quantity("").read(value, place) is not None
+            return value if good else None
+        if not isinstance(value, str):
+            note_wrong_kind(value, place, "a number, a text, true or false")
+            return None
+        text = Text().read(value, place)
+        try:
+            return text if text is None else to_si(text)[0]
+        except UnitError:
+            return text
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema of a plain value."""
+        return {"type": ["number", "string", "boolean"]}
+
+
 #: Arguments that the two functions can take.
 _OF_SCENE = ("material", "sizes", "seed", "gravity", "time_step", "options")
 _OF_MEASURE = ("run", "sizes", "gravity", "options")

@@ -15,11 +15,11 @@ from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.shared.options import LENGTH, STRESS, laboratory_gravity_option
 from grainfit.bulk_tests.shared.stress import typical_load
-from grainfit.bulk_tests.shear.quasi_static import fast_shear
+from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import IN_SHEAR, OverlapLaw
-from grainfit.checks import Check
+from grainfit.checks import Check, Found, check
 from grainfit.errors import Fault
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity
@@ -39,6 +39,18 @@ _QUIET = 0.01
 _LOOK = 0.1
 
 STRAIN = Quantity("", above_zero=True, highest=1e4)
+
+
+#: Inertial number up to which shear is quasi-static within the scatter of the angle.
+_SLOWEST = 0.01
+
+
+@check("fast-shear")
+def fast_shear(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Shear that is not quasi-static, as that of a shear tester is."""
+    number = float(checked.test.inertial_number)
+    if number > _SLOWEST:
+        yield "inertial_number", messages.FAST_SHEAR(number=number, slowest=_SLOWEST)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -34,12 +34,13 @@ from grainfit.bulk_tests.shear_cell import messages
 from grainfit.bulk_tests.shear_cell.failure import WINDOW, Failure, frictions_with_errors
 from grainfit.bulk_tests.shear_cell.picture import draw_shear_cell
 from grainfit.bulk_tests.shear_cell.setup import ShearCellSetup
-from grainfit.bulk_tests.shear_cell.strength import no_cohesion
 from grainfit.bulk_tests.shear_cell.view import ShearCellView
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
+from grainfit.checks import Check, Found, check
+from grainfit.contact_models.registry import COHESION
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Curve, Measured
+from grainfit.materials.walls import plain_name
 from grainfit.measurement.mohr_circles import ShearTest
 from grainfit.measurement.particles import write_vtk
 from grainfit.options.fields import Amount, Derived, option
@@ -60,6 +61,19 @@ _HELD = 0.03
 #: Largest deviation of the normal stress at a peak. A cohesive bed that dilates presses by a sixth
 #: more; the point counts at the stress that it has.
 _HELD_AT_PEAK = 0.25
+
+
+_STRENGTHS = ("ffc", "unconfined_strength", "cohesion")
+
+
+@check("no-cohesion", "warning")
+def no_cohesion(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Strength of a powder as a target, and a contact law without cohesion."""
+    if any(value for name, value in checked.highest.items() if plain_name(name) in COHESION):
+        return
+    wanted = [name for name in _STRENGTHS if checked.targets.get(name)]
+    if wanted:
+        yield f"targets.{wanted[0]}", messages.NO_COHESION()
 
 
 @dataclass(frozen=True)

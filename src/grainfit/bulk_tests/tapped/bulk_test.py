@@ -16,10 +16,9 @@ from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.tapped import messages
-from grainfit.bulk_tests.tapped.few_taps import few_taps
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
+from grainfit.checks import Check, Found, check
 from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Measured, Response
 from grainfit.measurement.particles import write_vtk
@@ -40,6 +39,18 @@ _LANDED = 1.5
 #: Usual time of a landing until rest, over sqrt(d/g).
 _LANDING = 4.0
 _HIGHEST_DROP = 0.5
+
+
+#: Taps after which pharmacopoeias read the first tapped volume (USP chapter 616: 500, then 1250).
+_USUAL = 500
+
+
+@check("few-taps", "warning")
+def few_taps(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Fewer taps than a laboratory gives, where the tapped density is a target."""
+    taps = checked.test.setup.taps
+    if taps < _USUAL and {"tapped_density", "hausner_ratio"} & checked.targets.keys():
+        yield "taps", messages.FEW_TAPS(taps=taps, usual=_USUAL)
 
 
 class TappedSetup(PackingSetup):

@@ -23,10 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.evaluation import Evaluation, Proposal, Stage
+from grainfit.formatting import in_a_row, number
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem, Relative
+from grainfit.strategies import messages
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.base import Search
 from grainfit.strategies.budget import design_size, runs_with_scatter
@@ -35,7 +37,6 @@ from grainfit.strategies.out_of_reach import widened, widenings
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.seeds import insertion_seed
 from grainfit.strategies.sequential.belief import LIKELY, Belief
-from grainfit.strategies.sequential.half_width_notice import about_half_widths
 from grainfit.strategies.sequential.next_run import (
     NextRun,
     next_run,
@@ -65,6 +66,8 @@ _USUAL_TO_NARROW = 12
 _MOST_WIDENINGS = 4
 #: Runs that the expected scatter counts as, beside the measured one.
 _RUNS_OF_EXPECTED = 5
+#: Share of the parameter sets that agree at which runs fail, above which that is said.
+_MANY_FAILURES = 0.05
 
 
 def usual_design(dimension: int) -> int:
@@ -607,3 +610,47 @@ class SequentialSearch(Search):
     @property
     def _pending_proposals(self) -> list[Proposal]:
         return [p for index, p in enumerate(self._asked) if index not in self._told]
+
+
+def about_half_widths(
+    knowledge: ParameterKnowledge, *, is_answered: bool, is_budget_used: bool
+) -> str:
+    """Return the sentences for the end of a search.
+
+    Parameters
+    ----------
+    knowledge : ParameterKnowledge
+        By all runs.
+    is_answered : bool
+        Whether the answer itself was known before the search ended.
+    is_budget_used : bool
+        Whether no more runs were allowed.
+    """
+    wanted = f"±{_percent(knowledge.wanted)}"
+    widths, missed = knowledge.half_widths, knowledge.too_wide
+    if not missed:
+        return messages.HALF_WIDTHS_REACHED(reached=_listed(widths), wanted=wanted)
+    reached = _listed(widths, missed)
+    sentences = [messages.HALF_WIDTHS_MISSED(reached=reached, wanted=wanted)]
+    if not is_answered:
+        return " ".join([*sentences, messages.NO_RUNS_BEFORE_ANSWER()])
+    if knowledge.share_of_failures > _MANY_FAILURES:
+        share = _percent(knowledge.share_of_failures)
+        sentences.append(messages.FAILURES_AMONG_ANSWERS(share=share))
+    best = _listed(knowledge.at_best, missed)
+    if knowledge.is_worth_runs and is_budget_used:
+        return " ".join([*sentences, messages.MORE_RUNS_NARROW(best=best)])
+    # The verification may have changed a little what is worth runs.
+    if not knowledge.is_worth_runs:
+        sentences.append(messages.MEASUREMENTS_LIMIT())
+    return " ".join([*sentences, messages.MORE_MEASUREMENTS_NARROW(best=best)])
+
+
+def _listed(half_widths: Mapping[str, float], names: Iterable[str] | None = None) -> str:
+    chosen = half_widths if names is None else names
+    return in_a_row(f"±{_percent(half_widths[name])} for {name}" for name in chosen)
+
+
+def _percent(share: float) -> str:
+    # A larger share says nothing more than that the parameter is open.
+    return "100 % or more" if share >= 1.0 else f"{number(100 * share, 2)} %"
