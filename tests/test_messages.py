@@ -1,16 +1,23 @@
 """Catalogues of messages: every text is filled in as it is written, and none is left over."""
 
 import ast
+import re
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 
 import pytest
 
+from grainfit.errors import Fault, GrainfitError
 from grainfit.messages import Message
 
 SOURCE = Path(__file__).parents[1] / "src"
 CATALOGUES = sorted((SOURCE / "grainfit").rglob("*messages.py"))
+
+
+def errors_below(kind: type[Exception]) -> list[type[Exception]]:
+    below = kind.__subclasses__()
+    return [kind, *below, *(one for each in below for one in errors_below(each)[1:])]
 
 
 def messages_of(catalogue: Path) -> dict[str, Message]:
@@ -72,6 +79,35 @@ def test_every_message_is_filled_in_with_the_fields_that_it_has() -> None:
 def test_every_message_of_a_catalogue_is_used() -> None:
     used = {key for path in modules_with_messages() for key, _, _ in uses(path)}
     assert not [name for (path, name) in ALL.keys() - used]
+
+
+ERRORS = (Fault, *errors_below(GrainfitError))
+
+
+def written_out(call: ast.Call) -> str:
+    """Return the words of a fault or an error that stand in the call itself."""
+    name = ast.unparse(call.func)
+    place = 1 if name == "Fault" else 0
+    if name not in {one.__name__ for one in ERRORS} or len(call.args) <= place:
+        return ""
+    given = call.args[place]
+    literals = [
+        node.value
+        for text in ([given.body, given.orelse] if isinstance(given, ast.IfExp) else [given])
+        for node in (text.values if isinstance(text, ast.JoinedStr) else [text])
+        if isinstance(node, ast.Constant)
+    ]
+    return re.sub(r"\W", "", "".join(map(str, literals)))
+
+
+def test_the_words_of_every_error_are_in_a_catalogue() -> None:
+    found = []
+    for path in (SOURCE / "grainfit").rglob("*.py"):
+        if path not in CATALOGUES and "testing" not in path.parts:
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and (words := written_out(node)):
+                    found.append(f"{path.relative_to(SOURCE)}:{node.lineno} {words}")
+    assert found == []
 
 
 def test_a_message_is_found_whatever_fills_it_in() -> None:

@@ -1,4 +1,4 @@
-"""Messages on quantities with units, and on packages that extras install."""
+"""Messages on quantities with units, on counts, and on packages that extras install."""
 
 from __future__ import annotations
 
@@ -28,3 +28,4 @@ UNCERTAINTY = Message(
 NOT_INSTALLED = Message(
     "{user} needs the Python package {package}, which is not installed.", "{remedy}"
 )
+NO_COUNT = Message("is {given!r}.", "Give a whole number from 1 on.")

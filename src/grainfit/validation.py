@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from numbers import Real
 
+from grainfit import ground_messages as messages
 from grainfit.errors import Fault
 
 
@@ -55,7 +56,7 @@ def whole_number_faults(given: Mapping[str, object]) -> list[Fault]:
         Values by name of the argument.
     """
     return [
-        Fault(name, f"is {value!r}.", "Give a whole number from 1 on.")
+        messages.NO_COUNT.fault(name, given=value)
         for name, value in given.items()
         if not isinstance(value, int) or isinstance(value, bool) or value < 1
     ]

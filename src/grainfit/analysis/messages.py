@@ -58,3 +58,7 @@ SIZE_MATTERS = Message(
     "{response} with {particles} particles is {change} away from that with {first}; its tolerance "
     "is {tolerance}. A calibration in the small apparatus needs a target that is as much lower."
 )
+NO_FACTOR = Message("{factor:g} is no factor.", "Give numbers above 0.")
+FEW_FACTORS = Message("{count} given.", "Give two or more, as 1,4,16.")
+MODULUS_OUTSIDE = Message("{value:g} is outside {limits}.", "Give factors nearer to 1.")
+NO_RESPONSE_OF_RUNS = Message("the runs give none of the responses")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 
+from grainfit.analysis import messages
 from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
@@ -59,11 +60,9 @@ class ModulusPlan:
         faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
         wrong = [f for f in self.factors if not (math.isfinite(f) and f > 0)]
         if wrong:
-            faults.append(Fault("factors", f"{wrong[0]:g} is no factor.", "Give numbers above 0."))
+            faults.append(messages.NO_FACTOR.fault("factors", factor=wrong[0]))
         elif len(set(self.factors)) < 2:
-            faults.append(
-                Fault("factors", f"{len(set(self.factors))} given.", "Give two or more, as 1,4,16.")
-            )
+            faults.append(messages.FEW_FACTORS.fault("factors", count=len(set(self.factors))))
         else:
             faults += self._impossible()
         if faults:
@@ -75,7 +74,7 @@ class ModulusPlan:
             value = factor * self.parameters[MODULUS]
             if not known.lowest <= value <= known.highest:
                 limits = f"{known.lowest:g} to {known.highest:g} {known.unit}"
-                yield Fault(MODULUS, f"{value:g} is outside {limits}.", "Give factors nearer to 1.")
+                yield messages.MODULUS_OUTSIDE.fault(MODULUS, value=value, limits=limits)
 
     def at(self, factor: float) -> dict[str, float]:
         """Return the parameters with the modulus of a factor."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
+from grainfit.analysis import messages
 from grainfit.analysis.modulus_plan import ModulusPlan
 from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.errors import RunFailedError
@@ -273,7 +274,7 @@ def modulus_study(plan: ModulusPlan, evaluations: Sequence[Evaluation]) -> Modul
     )
     if not any(len(row.responses) == len(plan.problem.targets) for row in rows):
         reasons = [reason for row in rows for reason in row.failures]
-        raise RunFailedError(reasons[0] if reasons else "the runs give none of the responses")
+        raise RunFailedError(reasons[0] if reasons else messages.NO_RESPONSE_OF_RUNS())
     return study
 
 

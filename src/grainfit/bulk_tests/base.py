@@ -23,7 +23,7 @@ from grainfit.bulk_tests.refused_factor import with_factor
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.setup import Setup
 from grainfit.checks import Check
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.evaluation import Measured
 from grainfit.materials.diameters import Diameters
 from grainfit.materials.particle_shape import ASPECT_RATIO
@@ -299,13 +299,8 @@ def read_sizes(sizes: ParticleSizes | None, diameter: Any) -> ParticleSizes:
         Neither is given, or both are, or one is impossible.
     """
     if (sizes is None) == (diameter is None):
-        raise InputError(
-            Fault(
-                "diameter",
-                "is missing." if sizes is None else "is given beside sizes.",
-                'Give diameter="10 mm", or a ParticleSizes.',
-            )
-        )
+        message = messages.NO_DIAMETER if sizes is None else messages.DIAMETER_BESIDE_SIZES
+        raise InputError(message.fault("diameter"))
     if sizes is None:
         read: ParticleSizes = read_options([_DIAMETER], {"diameter": diameter})["diameter"]
         return _as_sizes(read)

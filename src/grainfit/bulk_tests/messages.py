@@ -32,3 +32,7 @@ NO_SIZE_OF_ITS_OWN = Message(
     "a test of type {type} has no apparatus whose size can be changed.",
     "Leave it out.",
 )
+NO_DIAMETER = Message("is missing.", 'Give diameter="10 mm", or a ParticleSizes.')
+DIAMETER_BESIDE_SIZES = Message(
+    "is given beside sizes.", 'Give diameter="10 mm", or a ParticleSizes.'
+)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.targets import Deviation
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.options.kinds import suggest
 from grainfit.options.places import Findings, Place
 
@@ -59,7 +60,7 @@ def read_settings(settings: list[str]) -> dict[str, str]:
     pairs = [setting.partition("=") for setting in settings]
     wrong = [name for name, sign, value in pairs if not (sign and value.strip())]
     if wrong:
-        fault = Fault("accuracy", f"{wrong[0]!r} has no value.", "Write NAME=VALUE.")
+        fault = messages.NO_ACCURACY.fault("accuracy", given=wrong[0])
         raise InputError(fault)
     return {name.strip(): value.strip() for name, _, value in pairs}
 

@@ -157,3 +157,5 @@ HOLDOUT_LINE = Message(
 )
 HOLDOUT_MEASURED = Message("Its measured values take no part in the fit.")
 HOLDOUT_UNMEASURED = Message("It has no measured value: what is expected will be told.")
+NO_ACCURACY = Message("{given!r} has no value.", "Write NAME=VALUE.")
+NO_BULK_TEST = Message("{name!r} is not a bulk test.", "{remedy}")

@@ -12,6 +12,7 @@ from grainfit.bulk_tests.coarse_graining import coarse_grained
 from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.examples import (
     DIAMETER_OF_EXAMPLES,
     example_target,
@@ -131,10 +132,10 @@ def starter_file(
     instruments = {name: read_instrument(name) for name in names if name in instrument_names()}
     kinds = {name: instruments[name].type if name in instruments else name for name in names}
     faults = [
-        Fault(
+        messages.NO_BULK_TEST.fault(
             "test",
-            f"{name!r} is not a bulk test.",
-            instead_of_test(name) or f"Use one of {', '.join(known)}.",
+            name=name,
+            remedy=instead_of_test(name) or f"Use one of {', '.join(known)}.",
         )
         for name, kind in kinds.items()
         if kind not in known

@@ -13,9 +13,10 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
 
-from grainfit.errors import Fault, InputError
+from grainfit.errors import InputError
 from grainfit.files import LARGEST_PYTHON_FILE, TooLargeError, read_within
 from grainfit.one_line import one_line
+from grainfit.options import messages
 
 
 class PythonFile:
@@ -39,13 +40,7 @@ class PythonFile:
     def __init__(self, reference: str, folder: Path | None = None) -> None:
         path, colon, function = reference.rpartition(":")
         if not (colon and path.endswith(".py") and function.isidentifier()):
-            raise InputError(
-                Fault(
-                    "function",
-                    f"{reference!r} does not name a function in a file.",
-                    'Write the file and the function in it: "model.py:simulate".',
-                )
-            )
+            raise InputError(messages.NO_REFERENCE.fault("function", reference=reference))
         self.path = ((folder or Path()) / path).absolute()
         self.function = function
         self._lock = threading.Lock()
@@ -63,14 +58,11 @@ class PythonFile:
         try:
             return read_within(self.path, LARGEST_PYTHON_FILE)
         except TooLargeError as error:
-            remedy = "Move its data to a file that the function reads."
-            fault = Fault("", f"cannot be read: {error.strerror}.", remedy)
+            fault = messages.TOO_LARGE_TO_READ.fault("", reason=error.strerror)
             raise InputError(fault, str(self.path)) from error
         except OSError as error:
-            raise InputError(
-                Fault("", f"cannot be read: {error.strerror}.", "Give the path of a Python file."),
-                str(self.path),
-            ) from error
+            fault = messages.CANNOT_BE_READ.fault("", reason=error.strerror)
+            raise InputError(fault, str(self.path)) from error
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _with_source, (f"{self.path}:{self.function}", self.source)
@@ -92,9 +84,9 @@ class PythonFile:
         names = _top_level_names(tree)
         # A star import can bring in any name.
         if self.function not in names and "*" not in names:
-            raise InputError(
-                Fault("", f"has no function {self.function!r}.", _available(tree)), str(self.path)
-            )
+            known = _available(tree)
+            fault = messages.NO_SUCH_FUNCTION.fault("", function=self.function, remedy=known)
+            raise InputError(fault, str(self.path))
 
     def unknown_arguments(self, known: Collection[str]) -> list[str]:
         """Return the arguments that the function needs beside known ones, which have their names.
@@ -143,15 +135,12 @@ class PythonFile:
                 warnings.simplefilter("ignore")
                 return ast.parse(source, str(self.path))
         except (RecursionError, MemoryError):
-            raise InputError(
-                Fault("", "is nested too deeply for Python.", "Simplify it."), str(self.path)
-            ) from None
+            raise InputError(messages.NESTED_TOO_DEEPLY.fault(""), str(self.path)) from None
         except (SyntaxError, ValueError) as error:
             line = getattr(error, "lineno", None)
-            raise InputError(
-                Fault(f"line {line}" if line else "", f"is not valid Python: {error.args[0]}."),
-                str(self.path),
-            ) from error
+            place = f"line {line}" if line else ""
+            fault = messages.NOT_PYTHON.fault(place, reason=error.args[0])
+            raise InputError(fault, str(self.path)) from error
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the function, executing its file before the first call."""

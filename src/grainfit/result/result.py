@@ -14,6 +14,7 @@ from grainfit.files import LARGEST_RESULT, read_within, write_atomically
 from grainfit.formatting import counted, number, plain_ends, plain_interval, plain_probability
 from grainfit.one_line import one_line
 from grainfit.plain_data import parse_json, read_plain
+from grainfit.result import messages as of_file
 from grainfit.result.holdout import HoldoutResult
 from grainfit.result.older_versions import in_current_names
 from grainfit.result.parts import (
@@ -271,7 +272,8 @@ class Result(Summary):
         try:
             return _read(read_within(Path(path), LARGEST_RESULT))
         except OSError as error:
-            raise StoreError(f"{str(path)!r} cannot be read: {error.strerror}.") from error
+            reason = error.strerror
+            raise StoreError(of_file.UNREADABLE(path=str(path), reason=reason)) from error
         except (ValueError, RecursionError) as error:
             raise StoreError(damaged_result(path, str(error))) from error
 
@@ -293,10 +295,7 @@ def _with_unit(value: float, unit: str) -> str:
 
 def damaged_result(path: str | Path, why: str) -> str:
     """Return the message for a result that can no longer be read."""
-    return (
-        f"{str(path)!r} is damaged: {why}. Start the calibration again: the file is written again, "
-        "and no finished run is repeated."
-    )
+    return of_file.DAMAGED(path=str(path), reason=why)
 
 
 @dataclass(frozen=True)

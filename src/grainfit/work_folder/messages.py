@@ -183,3 +183,9 @@ SIDES_MISSING = Message(
     "the scan has no points on {share:.0f} % of the heap's sides.",
     "Scan the heap from all sides.",
 )
+NO_PARTICLES = Message("{path}: its last frame has no particles.")
+COMPARED_AS_IT_IS = Message(
+    "{text!r} is not a number.",
+    "What is given and yielded by models of your own is compared as it is.",
+)
+NOT_A_NUMBER = Message("{text!r} is not a number.", "Nothing is above or below it.")

@@ -59,7 +59,7 @@ def measure_path(path: Path) -> Mapping[str, Measured]:
         return {"angle_of_repose": photo(path).angle_of_repose}
     particles = read_dump(path)
     if len(particles) == 0:
-        raise NotMeasurableError(f"{path}: its last frame has no particles.")
+        raise NotMeasurableError(messages.NO_PARTICLES(path=path))
     try:
         return _measure_heap(particles)
     except NotMeasurableError as error:

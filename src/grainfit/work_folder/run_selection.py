@@ -111,12 +111,10 @@ def _limit(text: str, name: str, runs: RunColumns) -> float:
     except ValueError:
         unit = runs.units.get(name)
         if unit is None:
-            remedy = "What is given and yielded by models of your own is compared as it is."
-            raise UnitError(Fault("", f"{text!r} is not a number.", remedy)) from None
+            raise UnitError(messages.COMPARED_AS_IT_IS.fault("", text=text)) from None
         return to_unit(text, unit)
     if math.isnan(value):
-        remedy = "Nothing is above or below it."
-        raise UnitError(Fault("", f"{text!r} is not a number.", remedy))
+        raise UnitError(messages.NOT_A_NUMBER.fault("", text=text))
     return value
 
 

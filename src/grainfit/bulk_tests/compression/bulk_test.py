@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.compression import messages
 from grainfit.bulk_tests.compression.curve import (
     COLUMNS,
     Curve,
@@ -365,8 +366,7 @@ class Compression(BulkTest):
             height = float(curve.heights[-1])
             if not lowest < height < setup.piston_start:
                 raise RunFailedError(
-                    f"the piston left the pot's bed: it stands {height:.3g} m above the floor of "
-                    f"a pot that was filled up to {setup.strike_off_height:g} m"
+                    messages.PISTON_OUT(height=height, filled=setup.strike_off_height)
                 )
 
     @staticmethod
@@ -401,7 +401,7 @@ class Compression(BulkTest):
         """Read the loaded bed of a run, to be drawn."""
         bed = run.snapshot(_LOADED)
         if not len(bed):
-            raise NotMeasurableError("no particles are left in the pot")
+            raise NotMeasurableError(messages.EMPTY_POT())
         return self._view(bed, self._curves(run))
 
     def _curves(self, run: RunOutput) -> dict[str, Curve]:

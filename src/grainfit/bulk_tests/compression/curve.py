@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit import evaluation
+from grainfit.bulk_tests.compression import messages
 from grainfit.bulk_tests.compression.setup import CompressionSetup
 from grainfit.errors import NotMeasurableError
 from grainfit.scenes.records import Force, RadialForce, Recorded, Travel
@@ -172,8 +173,9 @@ def fit_modulus(curve: Curve, height: float, stress: float, name: str) -> Modulu
     count = int(fitted.sum())
     if count < _FEWEST_RECORDS:
         raise NotMeasurableError(
-            f"{name}: the stress was recorded only {count} times between "
-            f"{FITTED[0]:.0%} and {FITTED[1]:.0%} of {stress:g} Pa; use a lower piston_speed."
+            messages.FEW_RECORDS(
+                modulus=name, count=count, low=FITTED[0], high=FITTED[1], stress=stress
+            )
         )
     strains, stresses = curve.strains(height)[fitted], curve.stresses[fitted]
     spread = float(((strains - strains.mean()) ** 2).sum())
@@ -181,7 +183,7 @@ def fit_modulus(curve: Curve, height: float, stress: float, name: str) -> Modulu
     if spread > 0:
         slope = float(((strains - strains.mean()) * stresses).sum()) / spread
     if slope <= 0:
-        raise NotMeasurableError(f"{name}: stress does not rise with strain.")
+        raise NotMeasurableError(messages.NO_RISE(modulus=name))
     zero = float(stresses.mean()) - slope * float(strains.mean())
     rest = stresses - zero - slope * strains
     error = math.sqrt(float(rest @ rest) / (count - 2) / spread)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from grainfit.bulk_tests.discharge.setup import DischargeSetup
+from grainfit.bulk_tests.shared import messages
 from grainfit.bulk_tests.shared.validity import arch
 from grainfit.bulk_tests.view import MeasuredDrawing, Outline, RunView, moved
 from grainfit.errors import NotMeasurableError
@@ -80,7 +81,7 @@ class DischargeView(RunView):
     def _inside(self) -> Particles:
         inside = self.drawn.select(self.drawn.positions[:, 2] > 0)
         if not len(inside):
-            raise NotMeasurableError("no particles are left in the container")
+            raise NotMeasurableError(messages.EMPTY_CONTAINER())
         return inside
 
     @property

@@ -13,3 +13,7 @@ FLOOR_IS_NARROW = Message(
     "a floor of half width {floor_half_width:g} m is not wider than the box of {width:g} m.",
     "Use at least {least:g} m.",
 )
+NONE_LEFT = Message("no particles are left")
+ONE_SIDE = Message("all particles are on one side of the slot")
+NO_SHEAR_ANGLE = Message("shear angle: {reason}")
+NO_ANGLE = Message("angle of repose: {reason}")

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from grainfit.bulk_tests.draw_down import messages
 from grainfit.bulk_tests.draw_down.setup import DrawDownSetup
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
@@ -54,7 +55,7 @@ class Surfaces:
             No particles are left.
         """
         if not len(particles):
-            raise NotMeasurableError("no particles are left")
+            raise NotMeasurableError(messages.NONE_LEFT())
         return cls(setup, particles, particles.diameter)
 
     @cached_property
@@ -83,7 +84,7 @@ class Surfaces:
 
     def _some(self, particles: Particles) -> Particles:
         if not len(particles):
-            raise NotMeasurableError("all particles are on one side of the slot")
+            raise NotMeasurableError(messages.ONE_SIDE())
         return particles
 
     @cached_property
@@ -102,7 +103,7 @@ class Surfaces:
         try:
             return inclination_of_wedges(self.wedges, self.setup.box.slot_width, self.diameter)
         except NotMeasurableError as error:
-            raise NotMeasurableError(f"shear angle: {error}") from None
+            raise NotMeasurableError(messages.NO_SHEAR_ANGLE(reason=error)) from None
 
     def angle_of_repose(self) -> Inclination:
         """Measure the inclination of the heap's flanks.
@@ -115,7 +116,7 @@ class Surfaces:
         try:
             return inclination_of_pile(self.heap, self.diameter)
         except NotMeasurableError as error:
-            raise NotMeasurableError(f"angle of repose: {error}") from None
+            raise NotMeasurableError(messages.NO_ANGLE(reason=error)) from None
 
     def discharged_share(self, filled: float) -> Response:
         """Return the share of the mass that has left the upper box, and its standard error.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.errors import RunFailedError
 from grainfit.measurement.dynamic_angles import DynamicAngles
@@ -28,19 +29,11 @@ class DrumAngles(DynamicAngles[TurningBed]):
         """Raise `RunFailedError` unless the bed flows steadily and turns with its drum."""
         above = self.bed.share_above(self.mean)
         if above > _LARGEST_SHARE_ABOVE:
-            raise RunFailedError(
-                f"the drum carries the particles round: {100 * above:.0f} % of them are above the "
-                "ends of the bed, which has no surface then; use a lower rotational_speed"
-            )
+            raise RunFailedError(messages.CARRIED_ROUND(percent=100 * above))
         if self.slip > LARGEST_SLIP:
             raise RunFailedError(
-                f"the bed slides in the drum: its outermost layer is {100 * self.slip:.0f} % "
-                f"slower than the wall, and {100 * LARGEST_SLIP:.0f} % are allowed; line the drum "
-                "(lining = true), or use a larger friction between particles and wall"
+                messages.BED_SLIDES(percent=100 * self.slip, allowed=100 * LARGEST_SLIP)
             )
         change = self.unsteadiness
         if change is not None:
-            raise RunFailedError(
-                f"the bed is not steady: its inclination changes by {change:.1f} degrees from "
-                "the first to the second half of the averaged turns; use larger discarded_turns"
-            )
+            raise RunFailedError(messages.NOT_STEADY(change=change))

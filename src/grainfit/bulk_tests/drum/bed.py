@@ -14,6 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.drum.setup import DrumSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.measurement.dynamic_angles import Surface
@@ -79,15 +80,9 @@ class TurningBed:
         read = list(frames)
         counts = {len(frame.particles) for frame in read}
         if len(read) < _FEWEST_FRAMES or counts == {0}:
-            raise NotMeasurableError(
-                f"the bed was recorded {len(read)} times while the drum turned; {_FEWEST_FRAMES} "
-                "times are needed"
-            )
+            raise NotMeasurableError(messages.FEW_FRAMES(count=len(read), fewest=_FEWEST_FRAMES))
         if len(counts) > 1:
-            raise RunFailedError(
-                f"particles were lost while the drum turned: {max(counts)} at first, "
-                f"{min(counts)} at the end"
-            )
+            raise RunFailedError(messages.PARTICLES_LOST(first=max(counts), last=min(counts)))
         places = np.array([frame.particles.positions for frame in read])
         times = time_step * np.array([frame.step for frame in read])
         return cls(setup, read[-1].particles, times, places[:, :, 1], places[:, :, 2])
@@ -169,10 +164,7 @@ class TurningBed:
         passed = turned / (self.setup.rotational_speed * np.diff(self.times)[:, None])
         counted = outer[:-1] & outer[1:]
         if not counted.any():
-            raise NotMeasurableError(
-                "wall slip: no particles are at the wall of the drum deep below the surface; use "
-                "a larger drum or fill_level"
-            )
+            raise NotMeasurableError(messages.NONE_AT_WALL())
         return 1 - float(passed[counted].mean())
 
     def share_above(self, inclination: float) -> float:

@@ -368,7 +368,7 @@ class Drum(BulkTest):
     def _bed(self, run: RunOutput) -> TurningBed:
         """Read the frames of a run, at the times that solvers reach in whole time steps."""
         if not run.stages:
-            raise NotMeasurableError(f"{run.folder} has no stage that ended")
+            raise NotMeasurableError(messages.NO_STAGE(folder=run.folder))
         end = run.stages[-1]
         return TurningBed.of(run.frames(_FRAMES), self.setup, end.time / max(end.step, 1))
 

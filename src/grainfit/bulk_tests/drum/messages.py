@@ -36,3 +36,27 @@ NO_END_CAPS = Message(
     "the caps are of {wall}, and the drum has none: it repeats along its axis.",
     "Give end_caps = true, or leave caps out of walls.",
 )
+CARRIED_ROUND = Message(
+    "the drum carries the particles round: {percent:.0f} % of them are above the ends of the "
+    "bed, which has no surface then; use a lower rotational_speed"
+)
+BED_SLIDES = Message(
+    "the bed slides in the drum: its outermost layer is {percent:.0f} % slower than the wall, "
+    "and {allowed:.0f} % are allowed; line the drum (lining = true), or use a larger friction "
+    "between particles and wall"
+)
+NOT_STEADY = Message(
+    "the bed is not steady: its inclination changes by {change:.1f} degrees from the first to "
+    "the second half of the averaged turns; use larger discarded_turns"
+)
+FEW_FRAMES = Message(
+    "the bed was recorded {count} times while the drum turned; {fewest} times are needed"
+)
+PARTICLES_LOST = Message(
+    "particles were lost while the drum turned: {first} at first, {last} at the end"
+)
+NONE_AT_WALL = Message(
+    "wall slip: no particles are at the wall of the drum deep below the surface; use a larger "
+    "drum or fill_level"
+)
+NO_STAGE = Message("{folder} has no stage that ended")

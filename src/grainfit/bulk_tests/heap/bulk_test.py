@@ -413,9 +413,5 @@ class Heap(BulkTest):
         hanging = clinging(end, self.setup.cylinder_radius)
         share = float(end.masses[hanging].sum() / end.masses.sum()) if len(end) else 0.0
         if share > _LARGEST_CLINGING:
-            raise NotMeasurableError(
-                f"angle of repose: {100 * share:.0f} % of the particles cling to the lifted "
-                "cylinder, so that the heap is not that of the bed; use a wider cylinder, or less "
-                "cohesion on walls."
-            )
+            raise NotMeasurableError(messages.CLINGING(percent=100 * share))
         return end.select(~hanging)

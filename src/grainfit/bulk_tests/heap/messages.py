@@ -29,3 +29,7 @@ FAST_LIFT = Message(
     "collapses rather than flows out, and the angle is several degrees lower.",
     "Keep it only if the laboratory lifts as fast; the default is {usual:.3g} m/s.",
 )
+CLINGING = Message(
+    "angle of repose: {percent:.0f} % of the particles cling to the lifted cylinder, so that "
+    "the heap is not that of the bed; use a wider cylinder, or less cohesion on walls."
+)

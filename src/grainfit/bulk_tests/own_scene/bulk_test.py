@@ -295,7 +295,7 @@ class OwnScene(BulkTest):
             The function failed, or its scene cannot be simulated as it is meant.
         """
         if "scene" not in self.functions:
-            raise RunFailedError("the record of a run has no function for another scene")
+            raise RunFailedError(messages.NO_FUNCTION_RECORDED())
         function = self.functions["scene"]
         possible = {
             "material": with_defaults(material),
@@ -309,18 +309,20 @@ class OwnScene(BulkTest):
         require_return(function, possible)
         found = call(function, possible)
         if not isinstance(found, Scene):
-            kind = f"{words} gave {type(found).__name__}, not a Scene"
-            raise RunFailedError(f"{kind}: return grainfit.scenes.Scene(...)", kind="evaluation")
+            reason = messages.NOT_A_SCENE(function=words, kind=type(found).__name__)
+            raise RunFailedError(reason, kind="evaluation")
         try:
             completed = self._completed(found)
             faults = [*self._condition_faults(completed, material), *scene_faults(completed)]
         except (TypeError, AttributeError) as error:
             # A value of another type is found where it is first used.
-            kind = f"the scene of {words} has a value of a wrong type: {error}"
-            raise RunFailedError(f"{kind}: see docs/own_scenes.md", kind="evaluation") from error
+            reason = messages.WRONG_TYPE(function=words, reason=error)
+            raise RunFailedError(reason, kind="evaluation") from error
         if faults:
             reason = "; ".join(map(str, faults))
-            raise RunFailedError(f"the scene of {words}: {reason}", kind="evaluation")
+            raise RunFailedError(
+                messages.SCENE_FAULTS(function=words, reason=reason), kind="evaluation"
+            )
         return completed
 
     def _completed(self, scene: Scene) -> Scene:
@@ -436,16 +438,16 @@ class OwnScene(BulkTest):
         try:
             unchanged = function.identity() == known
         except InputError as error:
-            raise NotMeasurableError(f"{error} It was not kept with the run.") from error
+            raise NotMeasurableError(messages.NOT_KEPT(reason=error)) from error
         if not unchanged:
-            raise NotMeasurableError(f"{function.path}: was changed after the run.")
+            raise NotMeasurableError(messages.FUNCTION_CHANGED(path=function.path))
         return function
 
     def view(self, run: RunOutput) -> ParticlesView:
         """Read the particles at the end of a run, to be drawn."""
         particles = run.snapshot(END)
         if not len(particles):
-            raise NotMeasurableError("no particles are left in the box")
+            raise NotMeasurableError(messages.EMPTY_BOX())
         return ParticlesView.of(particles)
 
     # --- tests that fill a container by themselves have these ----------------------------------

@@ -28,3 +28,15 @@ FORCES_AFTER_FILL = Message(
     "down, and its floor can carry more than the weight.",
     "Lower the floor by half a diameter before forces are read, see docs/scenes.md.",
 )
+NO_FUNCTION_RECORDED = Message("the record of a run has no function for another scene")
+SCENE_FAULTS = Message("the scene of {function}: {reason}")
+FUNCTION_CHANGED = Message("{path}: was changed after the run.")
+EMPTY_BOX = Message("no particles are left in the box")
+NOT_KEPT = Message("{reason} It was not kept with the run.")
+DID_NOT_RETURN = Message("{function} did not return within {limit:g} s")
+NO_FUNCTION = Message("{function} is no function")
+UNKNOWN_ARGUMENTS = Message("{function} takes {unknown}; it can take {possible}")
+NOT_A_SCENE = Message("{function} gave {kind}, not a Scene: return grainfit.scenes.Scene(...)")
+WRONG_TYPE = Message(
+    "the scene of {function} has a value of a wrong type: {reason}: see docs/own_scenes.md"
+)

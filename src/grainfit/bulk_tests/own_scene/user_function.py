@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from grainfit.bulk_tests.own_scene import messages
 from grainfit.errors import RunFailedError, error_in_words
 from grainfit.options.python_file import PythonFile
 
@@ -59,7 +60,7 @@ def call(function: PythonFile, possible: Mapping[str, Any], limit: float = LIMIT
         raise _failure(function, raised[0]) from raised[0]
     if not outcome:
         raise RunFailedError(
-            f"{name_of(function)} did not return within {limit:g} s", "", "timeout"
+            messages.DID_NOT_RETURN(function=name_of(function), limit=limit), "", "timeout"
         )
     return outcome[0]
 
@@ -67,7 +68,7 @@ def call(function: PythonFile, possible: Mapping[str, Any], limit: float = LIMIT
 def _called(function: PythonFile, possible: Mapping[str, Any]) -> Any:
     loaded = function.load()
     if not callable(loaded):
-        raise RunFailedError(f"{name_of(function)} is no function", kind="evaluation")
+        raise RunFailedError(messages.NO_FUNCTION(function=name_of(function)), kind="evaluation")
     parameters = inspect.signature(loaded).parameters.values()
     if any(p.kind is inspect.Parameter.VAR_KEYWORD for p in parameters):
         return loaded(**possible)
@@ -80,7 +81,9 @@ def _called(function: PythonFile, possible: Mapping[str, Any]) -> Any:
     ]
     if unknown:
         raise RunFailedError(
-            f"{name_of(function)} takes {', '.join(unknown)}; it can take {', '.join(possible)}",
+            messages.UNKNOWN_ARGUMENTS(
+                function=name_of(function), unknown=", ".join(unknown), possible=", ".join(possible)
+            ),
             kind="evaluation",
         )
     return loaded(**{p.name: possible[p.name] for p in parameters if p.name in possible})

@@ -234,6 +234,6 @@ class Packing(BulkTest):
         """Read the bed of a run, to be drawn."""
         bed = run.snapshot(self.bed_shown)
         if not len(bed):
-            raise NotMeasurableError("no particles are left in the container")
+            raise NotMeasurableError(messages.EMPTY_CONTAINER())
         words = f"mass over volume {self.setup.measured_heights}"
         return PotView(bed, self.setup.cylinder_radius, highest_point(bed), words)

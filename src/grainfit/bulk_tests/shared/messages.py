@@ -108,3 +108,22 @@ NOT_COVERED = Message(
     "the disc {disc:.1f}.",
     "Pour more, or use a smaller disc.",
 )
+EMPTY_CONTAINER = Message("no particles are left in the container")
+OVERLAP = Message(
+    "the particles overlap grossly, by {percent:.0f} % of their diameter on average: Young's "
+    "modulus is too small for this load"
+)
+STRESS_NOT_HELD = Message(
+    "the stress was not held in the {stage} stage: {stress:.4g} Pa instead of {wanted:g} Pa at "
+    "its end"
+)
+BLOCKED = Message("{arch}; use a wider {orifice}")
+CHOKED = Message(
+    "the heap chokes the slot: its apex is {found:.1f} particle diameters below the shelf, and "
+    "must be {needed:.1f}; use a larger floor_distance"
+)
+FOOT_OFF_FLOOR = Message(
+    "the foot of the heap is not on the floor: {percent:.1f} % of it has left over the edges; "
+    "use a larger floor_half_width, or a larger floor_rolling_friction if the floor of the "
+    "laboratory is rough"
+)

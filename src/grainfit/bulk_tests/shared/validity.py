@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from grainfit.bulk_tests.shared import messages
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.measurement.height_map import HeightMap
 from grainfit.measurement.particles import Particles
@@ -23,7 +24,7 @@ _LARGEST_SHARE_LOST = 0.02
 def require_separate(bed: Particles) -> None:
     """Raise `RunFailedError` if the particles of a bed overlap grossly."""
     if not len(bed):
-        raise NotMeasurableError("no particles are left in the container")
+        raise NotMeasurableError(messages.EMPTY_CONTAINER())
     pairs = cKDTree(bed.positions).query_pairs(2 * bed.radii.max(), output_type="ndarray")
     if bed.clumps is not None:
         pairs = pairs[np.diff(bed.clumps[pairs], axis=1).ravel() != 0]
@@ -32,19 +33,13 @@ def require_separate(bed: Particles) -> None:
     touching = overlap[overlap > 0]
     mean = float(touching.mean()) if len(touching) else 0.0
     if mean > _LARGEST_MEAN_OVERLAP:
-        raise RunFailedError(
-            f"the particles overlap grossly, by {100 * mean:.0f} % of their diameter on average: "
-            "Young's modulus is too small for this load"
-        )
+        raise RunFailedError(messages.OVERLAP(percent=100 * mean))
 
 
 def require_held(stress: float, wanted: float, within: float, stage: str) -> None:
     """Raise `RunFailedError` unless a stress, Pa, is the wanted one within a share of it."""
     if not abs(stress / wanted - 1) <= within:
-        raise RunFailedError(
-            f"the stress was not held in the {stage} stage: {stress:.4g} Pa instead of "
-            f"{wanted:g} Pa at its end"
-        )
+        raise RunFailedError(messages.STRESS_NOT_HELD(stage=stage, stress=stress, wanted=wanted))
 
 
 def arch(held: Particles, orifice: str) -> str:
@@ -68,7 +63,7 @@ def arch(held: Particles, orifice: str) -> str:
 def require_emptied(held: Particles, orifice: str) -> None:
     """Raise `RunFailedError` if particles at rest are held above an orifice, see `arch`."""
     if found := arch(held, orifice):
-        raise RunFailedError(f"{found}; use a wider {orifice}")
+        raise RunFailedError(messages.BLOCKED(arch=found, orifice=orifice))
 
 
 def require_apex_below(apex: float, shelf: float, clearance: float, diameter: float) -> None:
@@ -85,9 +80,7 @@ def require_apex_below(apex: float, shelf: float, clearance: float, diameter: fl
     """
     if apex > shelf - clearance:
         raise RunFailedError(
-            f"the heap chokes the slot: its apex is {(shelf - apex) / diameter:.1f} particle "
-            f"diameters below the shelf, and must be {clearance / diameter:.1f}; use a larger "
-            "floor_distance"
+            messages.CHOKED(found=(shelf - apex) / diameter, needed=clearance / diameter)
         )
 
 
@@ -106,11 +99,7 @@ def require_foot_on_floor(surface: HeightMap, lost_share: float, diameter: float
     edge = np.abs(surface.x) > np.abs(surface.x).max() - diameter
     highest = _mean_of_sides(surface.profile, edge & (surface.x < 0), edge & (surface.x > 0))
     if lost_share > _LARGEST_SHARE_LOST or highest > _LOWEST_FOOT * diameter:
-        raise RunFailedError(
-            f"the foot of the heap is not on the floor: {100 * lost_share:.1f} % of it has left "
-            "over the edges; use a larger floor_half_width, or a larger floor_rolling_friction if "
-            "the floor of the laboratory is rough"
-        )
+        raise RunFailedError(messages.FOOT_OFF_FLOOR(percent=100 * lost_share))
 
 
 def _mean_of_sides(

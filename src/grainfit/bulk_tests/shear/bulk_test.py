@@ -176,7 +176,7 @@ class Shear(PlaneShear):
         times = [stage.time for stage in run.stages[1:]]
         names = self._snapshots
         if len(times) != len(names):
-            raise NotMeasurableError("stages.csv: stages are missing")
+            raise NotMeasurableError(messages.STAGES_MISSING())
         frames = [read_frame(run, *pair) for pair in zip(names, times, strict=True)]
         records = self._records(run, self._blocks, lower_alone=False)
         if not is_held(self.setup, records):

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
@@ -212,7 +213,7 @@ def read_frame(run: RunOutput, name: str, time: float) -> Frame:
     """
     frame = Frame(time, *(run.snapshot(name, glued) for glued in (0, LOWER, UPPER)))
     if not min(len(frame.bed), len(frame.lower), len(frame.upper)):
-        raise NotMeasurableError(f"the snapshot {name} has no bed, or no plates")
+        raise NotMeasurableError(messages.NO_BED(name=name))
     return frame
 
 
@@ -234,7 +235,7 @@ def velocity_profile(frames: Sequence[Frame], length: float, speed: float) -> Pr
         Particles are missing in a snapshot.
     """
     if len({len(frame.bed) for frame in frames}) > 1:
-        raise RunFailedError("particles were lost between the plates")
+        raise RunFailedError(messages.PARTICLES_LOST())
     gap = float(np.mean([high - low for low, high in (frame.plates for frame in frames)]))
     require_grid("velocity profile", gap / frames[0].bed.diameter)
     layers = max(3, round(gap / frames[0].bed.diameter))

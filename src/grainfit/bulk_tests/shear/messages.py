@@ -29,3 +29,28 @@ ENTER_ANGLE = Message(
     'about atan(c / normal_stress + tan phi_lin). A test of type "shear_cell" has all three as its '
     "responses."
 )
+STAGES_MISSING = Message("stages.csv: stages are missing")
+NO_BED = Message("the snapshot {name} has no bed, or no plates")
+PARTICLES_LOST = Message("particles were lost between the plates")
+NOT_HELD = Message(
+    "the normal stress was not held: {stress:.4g} Pa instead of {wanted:g} Pa on average, "
+    "because the bed still dilates or settles; use a larger {longer}"
+)
+OTHER_INERTIAL_NUMBER = Message(
+    "the inertial number is {found:.3g} instead of {wanted:g}: the plates are {gap:.3g} m "
+    "apart, and their speed is that for {expected:.3g} m, because the bed is much {density} "
+    "than a solid fraction of 0.58; use {use}, or other frictions"
+)
+HARDLY_SHEARED = Message(
+    "the bed was hardly sheared: its middle half took up {share:.0%} of the plate's velocity "
+    "(50 % if even), the rest slipped at the plates; use a larger gap, or a smaller "
+    "inertial_number"
+)
+LOCALISED = Message(
+    "the shear is localised: within two diameters the shear rate is {steepest:.2g} times the "
+    "mean (at most {most:g}); use a smaller inertial_number, or a larger averaged_strain"
+)
+LEAKED = Message(
+    "{count} particles leaked through a plate: Young's modulus is too small for this stress, "
+    "or the smallest particles are much smaller than the others"
+)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.flow import Frame, Profile, Record
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import RunFailedError
@@ -55,9 +56,7 @@ def require_sheared(
     stress = _mean_normal_stress(records)
     if not abs(stress / setup.normal_stress - 1) <= within:
         raise RunFailedError(
-            f"the normal stress was not held: {stress:.4g} Pa instead of "
-            f"{setup.normal_stress:g} Pa on average, because the bed still dilates or settles; "
-            f"use a larger {longer}"
+            messages.NOT_HELD(stress=stress, wanted=setup.normal_stress, longer=longer)
         )
     _require_inertial_number(setup, frames[0], speed, profile.gap)
     _require_even_shear(profile)
@@ -78,10 +77,7 @@ def _require_no_leak(frames: Sequence[Frame], diameter: float) -> None:
         z = frame.bed.positions[:, 2]
         leaked = int(((z < low - diameter / 2) | (z > high + diameter / 2)).sum())
         if leaked:
-            raise RunFailedError(
-                f"{leaked} particles leaked through a plate: Young's modulus is too small for "
-                "this stress, or the smallest particles are much smaller than the others"
-            )
+            raise RunFailedError(messages.LEAKED(count=leaked))
 
 
 def _require_inertial_number(setup: ShearSetup, frame: Frame, speed: float, gap: float) -> None:
@@ -94,22 +90,19 @@ def _require_inertial_number(setup: ShearSetup, frame: Frame, speed: float, gap:
             else ("looser", "a larger normal_stress, which compacts a cohesive bed")
         )
         raise RunFailedError(
-            f"the inertial number is {found:.3g} instead of {setup.inertial_number:g}: the plates "
-            f"are {gap:.3g} m apart, and their speed is that for {setup.gap:.3g} m, because the "
-            f"bed is much {bed} than a solid fraction of 0.58; use {use}, or other frictions"
+            messages.OTHER_INERTIAL_NUMBER(
+                found=found,
+                wanted=setup.inertial_number,
+                gap=gap,
+                expected=setup.gap,
+                density=bed,
+                use=use,
+            )
         )
 
 
 def _require_even_shear(profile: Profile) -> None:
     if not profile.middle_share >= _LEAST_SHEARED:
-        raise RunFailedError(
-            f"the bed was hardly sheared: its middle half took up {profile.middle_share:.0%} of "
-            "the plate's velocity (50 % if even), the rest slipped at the plates; use a larger "
-            "gap, or a smaller inertial_number"
-        )
+        raise RunFailedError(messages.HARDLY_SHEARED(share=profile.middle_share))
     if not profile.steepest <= _STEEPEST:
-        raise RunFailedError(
-            f"the shear is localised: within two diameters the shear rate is "
-            f"{profile.steepest:.2g} times the mean (at most {_STEEPEST:g}); use a smaller "
-            "inertial_number, or a larger averaged_strain"
-        )
+        raise RunFailedError(messages.LOCALISED(steepest=profile.steepest, most=_STEEPEST))

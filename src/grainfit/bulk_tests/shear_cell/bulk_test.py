@@ -374,9 +374,7 @@ class ShearCell(PlaneShear):
         for failure, wanted in zip(failures, reversed(self.setup.stresses), strict=True):
             if not abs(failure.normal_stress / wanted - 1) <= _HELD_AT_PEAK:
                 raise RunFailedError(
-                    f"the normal stress was not held at failure: {failure.normal_stress:.4g} Pa "
-                    f"instead of {wanted:g} Pa, because the bed dilates; use a smaller "
-                    "inertial_number"
+                    messages.NOT_HELD_AT_FAILURE(stress=failure.normal_stress, wanted=wanted)
                 )
 
     def _view(
@@ -388,7 +386,7 @@ class ShearCell(PlaneShear):
         try:
             evaluation = ShearTest(stresses, found, self.setup.normal_stress, flow)
         except ValueError as error:
-            raise RunFailedError(f"no yield locus: {error}") from None
+            raise RunFailedError(messages.NO_YIELD_LOCUS(reason=error)) from None
         flow_view = ShearView.of(frame, profile, self.setup.length, self.setup.depth)
         return ShearCellView(**vars(flow_view), evaluation=evaluation)
 

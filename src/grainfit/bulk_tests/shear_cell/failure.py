@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.bulk_tests.shear.flow import Record
+from grainfit.bulk_tests.shear_cell import messages
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 
@@ -54,7 +55,7 @@ class Failure:
         count = min(len(record.times) for record in records)
         strains = (records[0].travels[:count] - records[0].travels[0]) / gap
         if count < 2 or strains[-1] < WINDOW:
-            raise NotMeasurableError("shear to failure: there are too few records")
+            raise NotMeasurableError(messages.FEW_RECORDS())
         return cls(
             strains,
             np.array([record.shear_stresses[:count] for record in records]),

@@ -30,3 +30,9 @@ NO_COHESION = Message(
     "within their standard errors, and runs have no ffc.",
     "Give the particles cohesion, such as particle_particle.surface_energy (docs/cohesion.md).",
 )
+NOT_HELD_AT_FAILURE = Message(
+    "the normal stress was not held at failure: {stress:.4g} Pa instead of {wanted:g} Pa, "
+    "because the bed dilates; use a smaller inertial_number"
+)
+NO_YIELD_LOCUS = Message("no yield locus: {reason}")
+FEW_RECORDS = Message("shear to failure: there are too few records")

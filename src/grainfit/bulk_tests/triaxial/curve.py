@@ -76,7 +76,7 @@ class Compression:
         """
         series = run.series(SHEAR, COLUMNS)
         if len(series["time"]) < _FEWEST_RECORDS:
-            raise NotMeasurableError("the compression was recorded a few times only")
+            raise NotMeasurableError(messages.FEW_RECORDS())
         lengths = {
             axis: first + series[f"{SIDES[axis][1]}_travel"]
             for axis, first in setup.first_lengths.items()

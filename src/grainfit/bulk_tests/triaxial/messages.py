@@ -42,3 +42,4 @@ SHORT_COMPRESSION = Message(
     "{least:g}.",
     "Use a larger axial_strain, or take the angle for that of this strain.",
 )
+FEW_RECORDS = Message("the compression was recorded a few times only")

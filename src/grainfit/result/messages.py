@@ -1,0 +1,11 @@
+"""Messages to users about the file of a result."""
+
+from __future__ import annotations
+
+from grainfit.messages import Message
+
+UNREADABLE = Message("{path!r} cannot be read: {reason}.")
+DAMAGED = Message(
+    "{path!r} is damaged: {reason}.",
+    "Start the calibration again: the file is written again, and no finished run is repeated.",
+)
