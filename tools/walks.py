@@ -75,7 +75,7 @@ class House:
         if not first and len(parts) > 1:
             first, parts = parts[1], parts[1:]
         found = (home, ".".join([first, *parts[1:]]))
-        if parts[0] == "self":
+        if parts[0] in ("self", "cls"):
             found = (module, f"{name.split('.')[0]}.{parts[-1]}")
         for key in (found, (home, f"{first}.__init__")):
             if key in self.functions:

@@ -18,7 +18,7 @@ from grainfit.bulk_tests.stiffness import (
     stiffness_number,
 )
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.calibration_file.starter import STARTER_FILE
+from grainfit.calibration_file.starter import starter_file
 from grainfit.cli.console import print_plan
 from grainfit.testing.materials import GLASS_BEADS
 
@@ -153,7 +153,7 @@ def test_a_material_that_is_not_known_or_impossible_has_no_note() -> None:
 
 def test_the_starter_file_has_particles_that_are_stiff_enough(tmp_path: Path) -> None:
     path = tmp_path / "beads.toml"
-    path.write_text(STARTER_FILE)
+    path.write_text(starter_file())
     setup = gf.load(path)
     [test] = setup.bulk_tests.values()
     middle = setup.problem.from_unit([0.5] * setup.problem.dimension)

@@ -15,7 +15,7 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.calibration_file.starter import STARTER_FILE, starter_file
+from grainfit.calibration_file.starter import starter_file
 from grainfit.calibration_file.tests_section import layout_of_test
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
@@ -271,22 +271,22 @@ def test_byte_order_mark_and_windows_line_ends_are_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("solver", ["lammps", "liggghts"])
 def test_the_starter_file_loads(tmp_path: Path, solver: str) -> None:
-    file = load(STARTER_FILE.replace('"lammps"', f'"{solver}"'), tmp_path)
+    file = load(starter_file().replace('"lammps"', f'"{solver}"'), tmp_path)
     assert len(file.parameters) == 2
     assert file.tests[0].options["solver"] == solver
 
 
-OPTIONS_OF_THE_STARTER = re.findall(r"^# (\w+ = .*)$", STARTER_FILE, re.MULTILINE)
+OPTIONS_OF_THE_STARTER = re.findall(r"^# (\w+ = .*)$", starter_file(), re.MULTILINE)
 
 
 @pytest.mark.parametrize("option", OPTIONS_OF_THE_STARTER)
 def test_every_option_of_the_starter_file_is_good(tmp_path: Path, option: str) -> None:
     key = option.partition(" =")[0]
-    before, after = STARTER_FILE.split(f"# {option}\n")
+    before, after = starter_file().split(f"# {option}\n")
     if f"\n{key} = " in (section := before[before.rindex("\n[") :]):
         before = before.removesuffix(section) + re.sub(rf"\n{key} = .*", "", section)
     text = f"{before}{option}\n{after}"
-    assert load(text, tmp_path) != load(STARTER_FILE, tmp_path)
+    assert load(text, tmp_path) != load(starter_file(), tmp_path)
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
@@ -326,7 +326,7 @@ def test_a_starter_file_of_an_unknown_test_is_refused() -> None:
 
 def test_the_defaults_in_the_starter_file_are_those_of_the_heap_test() -> None:
     setup = Heap(ParticleSizes((0.010,))).setup
-    text = STARTER_FILE
+    text = starter_file()
     for key in ("cylinder_radius", "strike_off_height", "plate_radius"):
         assert f'# {key} = "{getattr(setup, key) * 1000:g} mm"' in text
     assert f'# lift_speed = "{setup.lift_speed:g} m/s"' in text

@@ -15,7 +15,7 @@ from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
 from grainfit.materials.card import MaterialCard, Program
 from grainfit.materials.time_step import RAYLEIGH_EQUATIONS
-from grainfit.testing.equations import evaluate
+from tests.evaluated_equations import evaluate
 
 
 def with_damping(card: MaterialCard, damping: float) -> MaterialCard:

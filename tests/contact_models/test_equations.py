@@ -35,7 +35,7 @@ from grainfit.contact_models.yade import yade_body, yade_physics
 from grainfit.materials.equations import Equation
 from grainfit.materials.time_step import RAYLEIGH_EQUATIONS, rayleigh_time_step
 from grainfit.testing.contact_model_contract import BEADS
-from grainfit.testing.equations import evaluate, symbols_of
+from tests.evaluated_equations import evaluate, symbols_of
 
 GRAVITY = 9.81
 #: Two spheres of different sizes, and one on a wall of the same stiffness.

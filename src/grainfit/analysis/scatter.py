@@ -16,14 +16,7 @@ from grainfit.analysis.scatter_statistics import (
 )
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import (
-    counted,
-    in_a_row,
-    in_unit,
-    number,
-    plain_ends,
-    plain_interval,
-)
+from grainfit.formatting import counted, in_a_row, in_unit, number, plain_ends, plain_interval
 from grainfit.one_line import one_line
 from grainfit.problem import CurveTarget, Target
 from grainfit.tables import Summary, TextTable

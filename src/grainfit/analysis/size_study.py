@@ -18,11 +18,7 @@ from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
-from grainfit.formatting import (
-    duration,
-    in_unit,
-    plain_interval,
-)
+from grainfit.formatting import duration, in_unit, plain_interval
 from grainfit.one_line import one_line
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver

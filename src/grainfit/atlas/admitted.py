@@ -18,13 +18,7 @@ OUTCOMES = Path(__file__).parent / "admitted.json"
 
 
 def admitted_programs(path: Path = OUTCOMES) -> frozenset[str]:
-    """Return the programs, solver and version, whose rows are admitted.
-
-    Parameters
-    ----------
-    path : Path
-        File of the outcomes.
-    """
+    """Return the programs, solver and version, whose rows are admitted."""
     found = _read(path)
     agreeing = (one["program"] for one in found["compared"] if one["agrees"])
     return frozenset({found["first"], *agreeing})

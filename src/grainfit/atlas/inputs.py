@@ -86,13 +86,6 @@ def varied_of(kind: type[BulkTest]) -> VariedOptions:
 def simulated(kind: type[BulkTest], inputs: Mapping[str, float]) -> Simulated:
     """Return test and material of a row of the atlas.
 
-    Parameters
-    ----------
-    kind : type
-        Class of the test.
-    inputs : mapping of str to float
-        By name, as of `ranges_of`.
-
     Raises
     ------
     InputError

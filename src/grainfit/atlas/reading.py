@@ -11,14 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.atlas import messages
-from grainfit.atlas.inputs import (
-    MATERIAL,
-    SIZE,
-    STIFFNESS,
-    apparatus,
-    ranges_of,
-    varied_of,
-)
+from grainfit.atlas.inputs import MATERIAL, SIZE, STIFFNESS, apparatus, ranges_of, varied_of
 from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale

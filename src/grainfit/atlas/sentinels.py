@@ -96,13 +96,7 @@ def _limit(count: int) -> float:
 
 
 def sentinels(atlas: Atlas) -> list[tuple[str, Row]]:
-    """Return the rows that a release makes again: the cheapest whole ones of every test in turn.
-
-    Parameters
-    ----------
-    atlas : Atlas
-        The atlas.
-    """
+    """Return the rows that a release makes again: the cheapest whole ones of every test in turn."""
     cheapest = []
     for name in sorted(atlas.tests):
         surrogate = atlas.of_test(name)

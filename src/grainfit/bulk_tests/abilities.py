@@ -83,15 +83,7 @@ class AdaptsOptions(Protocol):
 
 
 def options_for(test: type[Any], material: Mapping[str, float]) -> dict[str, Amount]:
-    """Return options that a laboratory would choose where the defaults fail; none for most tests.
-
-    Parameters
-    ----------
-    test : type
-        Class of the test.
-    material : mapping of str to float
-        Material parameters by dotted name.
-    """
+    """Return options that a laboratory would choose where defaults fail; none for most tests."""
     return test.options_for(material) if isinstance(test, AdaptsOptions) else {}
 
 

@@ -36,15 +36,7 @@ def concepts(test: BulkTest, material: Mapping[str, float] | None = None) -> set
 
 
 def scene_parts(test: BulkTest, material: Mapping[str, float]) -> Mapping[str, tuple[str, ...]]:
-    """Return the parts of a test's scene, each with its walls, see `BulkTest.parts`.
-
-    Parameters
-    ----------
-    test : BulkTest
-        The test.
-    material : mapping of str to float
-        All material parameters.
-    """
+    """Return the parts of a test's scene, each with its walls, see `BulkTest.parts`."""
     if test.parts is not None:
         return test.parts
     if isinstance(test, HasUserFunctions):

@@ -19,13 +19,7 @@ from grainfit.metamodels.blow_ups import about_blow_ups
 from grainfit.metamodels.curve_reduction import ComponentTarget, CurveBasis, about_short_curves
 from grainfit.metamodels.hyperparameters import RUNS_OF_KNOWN_SCATTER
 from grainfit.problem import Problem, Target
-from grainfit.result import (
-    CurveResult,
-    ResponseResult,
-    Result,
-    RunCounts,
-    RunSummary,
-)
+from grainfit.result import CurveResult, ResponseResult, Result, RunCounts, RunSummary
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
 from grainfit.verdict.rule import Status

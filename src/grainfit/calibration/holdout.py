@@ -161,15 +161,6 @@ def _plain(intervals: Mapping[str, tuple[float, float]]) -> dict[str, list[float
 def require_holdouts(problem: Problem, tests: Sequence[str], holdouts: Sequence[Holdout]) -> None:
     """Raise `InputError` for hold-outs that cannot be simulated, or that are not told apart.
 
-    Parameters
-    ----------
-    problem : Problem
-        Free parameters.
-    tests : sequence of str
-        Names of the fitted tests.
-    holdouts : sequence of Holdout
-        The hold-outs.
-
     Raises
     ------
     InputError, SolverNotFoundError

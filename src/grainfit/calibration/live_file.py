@@ -13,7 +13,6 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from grainfit.calibration.progress import Progress
@@ -97,12 +96,7 @@ class LiveFile:
     def __enter__(self) -> LiveFile:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_raised: object) -> None:
         with suppress(OSError):
             self._path.unlink(missing_ok=True)
 
@@ -153,13 +147,6 @@ class LiveFile:
 
 def read_live_state(folder: Path, calibration: str) -> LiveState | None:
     """Read the live state of a calibration that is running.
-
-    Parameters
-    ----------
-    folder : Path
-        The work folder.
-    calibration : str
-        Identity of the calibration.
 
     Returns
     -------

@@ -263,11 +263,6 @@ class CalibrationLoop:
     def material(self, result: Result) -> Material:
         """Return what the runs tell of the parameters, for the prediction of hold-outs.
 
-        Parameters
-        ----------
-        result : Result
-            What `run` has returned.
-
         Raises
         ------
         RunFailedError

@@ -41,15 +41,7 @@ def require_ready(problem: Problem, solvers: Mapping[str, Solver]) -> None:
 
 
 def obstacles(problem: Problem, solvers: Mapping[str, Solver]) -> Iterator[Obstacle]:
-    """Yield every reason why a calibration cannot run; starts no simulation.
-
-    Parameters
-    ----------
-    problem : Problem
-        Free parameters and targets.
-    solvers : mapping of str to Solver
-        By name of the test.
-    """
+    """Yield every reason why a calibration cannot run; starts no simulation."""
     if faults := _faults_of_targets(problem, solvers):
         yield Obstacle("", InputError(faults))
     refused = False

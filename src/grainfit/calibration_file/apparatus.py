@@ -12,13 +12,7 @@ from grainfit.solvers.base import Solver
 
 
 def simulated_apparatus(setup: CalibrationSetup) -> dict[str, tuple[ApparatusValue, ...]]:
-    """Return the apparatus of each built-in test, with free parameters in their middle.
-
-    Parameters
-    ----------
-    setup : CalibrationSetup
-        The calibration.
-    """
+    """Return the apparatus of each built-in test, with free parameters in their middle."""
     material = {**setup.file.fixed, **setup.problem.middle}
     return apparatus_of_tests(setup.file, setup.solvers, material)
 

@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from grainfit.campaign.cluster.options import (
-    LONGEST_WALLTIME,
-    SHORTEST_WALLTIME,
-    ClusterOptions,
-)
+from grainfit.campaign.cluster.options import LONGEST_WALLTIME, SHORTEST_WALLTIME, ClusterOptions
 from grainfit.campaign.cluster.schedulers import SCHEDULERS
 from grainfit.errors import InputError
 from grainfit.files import is_file

@@ -10,11 +10,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.calibration_file.content import CalibrationFile
-from grainfit.contact_models.cohesive_contacts import (
-    CohesiveContact,
-    cohesive_contact,
-    contacts_of,
-)
+from grainfit.contact_models.cohesive_contacts import CohesiveContact, cohesive_contact, contacts_of
 from grainfit.contact_models.contact import TYPICAL_LOAD
 from grainfit.contact_models.registry import COHESION, contact_law, inactive_models, with_defaults
 from grainfit.errors import InputError
@@ -28,13 +24,7 @@ _COUNTING = (DENSITY, MODULUS, *COHESION)
 
 
 def chosen_model_lines(file: CalibrationFile) -> Iterator[str]:
-    """Yield the chosen contact models: those that act, and those that do nothing.
-
-    Parameters
-    ----------
-    file : CalibrationFile
-        The calibration file.
-    """
+    """Yield the chosen contact models: those that act, and those that do nothing."""
     largest = {p.name: p.maximum for p in file.parameters}
     known = {**file.fixed, **largest}
     idle = {model.name: model for model in inactive_models(known, file.contact_models)}
@@ -48,15 +38,7 @@ def chosen_model_lines(file: CalibrationFile) -> Iterator[str]:
 
 
 def cohesion_lines(file: CalibrationFile, bulk_tests: Mapping[str, BulkTest]) -> Iterator[str]:
-    """Yield how cohesive contacts are within the intervals; nothing for a dry material.
-
-    Parameters
-    ----------
-    file : CalibrationFile
-        The calibration file.
-    bulk_tests : mapping of str to BulkTest
-        Its simulated tests by name.
-    """
+    """Yield how cohesive contacts are within the intervals; nothing for a dry material."""
     largest = {p.name: p.maximum for p in file.parameters}
     # The most slender clumps have the smallest spheres.
     aspect_ratio = {**file.fixed, **largest}.get(ASPECT_RATIO)

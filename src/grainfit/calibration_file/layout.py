@@ -11,12 +11,7 @@ from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
 from grainfit.calibration_file.strategy_section import StrategySection, strategy_keys
 from grainfit.calibration_file.tests_section import Tests
-from grainfit.calibration_file.walls import (
-    TestWalls,
-    WallTable,
-    declared_walls,
-    note_unused_walls,
-)
+from grainfit.calibration_file.walls import TestWalls, WallTable, declared_walls, note_unused_walls
 from grainfit.contact_models.base import Kind
 from grainfit.contact_models.registry import (
     MATERIAL_PARAMETERS,

@@ -10,13 +10,7 @@ from grainfit.errors import InputError
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, STEEPEST, friction_of_angle
 from grainfit.materials.walls import plain_name
-from grainfit.options.kinds import (
-    Choice,
-    Kind,
-    Quantity,
-    Schema,
-    Text,
-)
+from grainfit.options.kinds import Choice, Kind, Quantity, Schema, Text
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Parameter

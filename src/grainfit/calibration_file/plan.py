@@ -273,17 +273,7 @@ def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None
 
 
 def holdout_line(holdout: Holdout, problem: Problem, workers: int) -> str:
-    """Return what will be simulated of a hold-out after the verdict.
-
-    Parameters
-    ----------
-    holdout : Holdout
-        The hold-out.
-    problem : Problem
-        Free parameters.
-    workers : int
-        Runs at a time.
-    """
+    """Return what will be simulated of a hold-out after the verdict."""
     sets = HOLDOUT.answer_seeds + HOLDOUT.posterior_draws + HOLDOUT.prior_draws
     runs = sets * holdout.repeats
     cost = holdout.model.estimate_cost(problem.middle)

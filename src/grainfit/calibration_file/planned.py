@@ -88,11 +88,6 @@ def load_planned_file(path: str | Path, text: str | None = None) -> PlannedFile:
 def load_tests(path: str | Path) -> PlannedFile:
     """Read the tests of a calibration file, whether or not they are measured yet.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-
     Raises
     ------
     InputError

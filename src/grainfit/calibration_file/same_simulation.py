@@ -16,11 +16,6 @@ _EVALUATION = frozenset({"evaluate", "responses", "measure", "timeout"})
 def join_evaluations(tests: Sequence[TestSpecification]) -> tuple[TestSpecification, ...]:
     """Join tests that differ in their ``evaluate`` only: each simulation serves all of them.
 
-    Parameters
-    ----------
-    tests : sequence of TestSpecification
-        The tests of the file.
-
     Returns
     -------
     tuple of TestSpecification

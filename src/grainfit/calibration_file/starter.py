@@ -13,11 +13,7 @@ from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_in
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.examples import (
-    DIAMETER_OF_EXAMPLES,
-    example_target,
-    scaled_example,
-)
+from grainfit.calibration_file.examples import DIAMETER_OF_EXAMPLES, example_target, scaled_example
 from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.starting_materials import StartingMaterial
@@ -314,7 +310,3 @@ def _option(key: Key, material: StartingMaterial | None, why_set: str | None) ->
 
 def _with_remark(line: str, remark: str) -> str:
     return f"{line:<{_REMARK - 1}} # {remark}" if remark else line
-
-
-#: The file that `grainfit new` writes.
-STARTER_FILE = starter_file()

@@ -29,15 +29,6 @@ def twin_solvers(
 ) -> dict[str, Solver]:
     """Return the solvers of the twins, by name of the test; none unless the file asks.
 
-    Parameters
-    ----------
-    file : CalibrationFile
-        The calibration file.
-    solvers : mapping of str to Solver
-        Of the tests.
-    problem : Problem
-        Its targets.
-
     Raises
     ------
     InputError

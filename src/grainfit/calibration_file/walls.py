@@ -157,13 +157,7 @@ class TestWalls:
 
 
 def declared_walls(values: Values) -> tuple[str, ...]:
-    """Return the walls that a file has sections of, the plain one included.
-
-    Parameters
-    ----------
-    values : dict
-        The file as read.
-    """
+    """Return the walls that a file has sections of, the plain one included."""
     return tuple(dict.fromkeys(wall for wall, _ in _sections(values)))
 
 

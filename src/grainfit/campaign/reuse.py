@@ -378,19 +378,7 @@ def is_run_of(problem: Problem, solvers: Mapping[str, Solver]) -> Callable[[RunR
 def take_runs(
     other: RunStore, problem: Problem, solvers: Mapping[str, Solver], store: RunStore
 ) -> int:
-    """Copy the runs of a problem from another store; return the number of new runs.
-
-    Parameters
-    ----------
-    other : RunStore
-        Store to read from.
-    problem : Problem
-        The calibration problem.
-    solvers : mapping of str to Solver
-        By name of the test.
-    store : RunStore
-        Store to copy to.
-    """
+    """Copy the runs of a problem from another store; return the number of new runs."""
     there = store.states()
     fitting = is_run_of(problem, solvers)
     found = [*filter(fitting, other.runs_of(models_of(solvers), "finished"))]

@@ -69,13 +69,6 @@ class WritableCard(MaterialCard):
     def write(self, to: str, path: str | Path) -> Path:
         """Write the card to a file, in place of one that is there; all of it or nothing.
 
-        Parameters
-        ----------
-        to : str
-            The format, one of `FORMATS`.
-        path : path
-            The file.
-
         Raises
         ------
         InputError

@@ -16,14 +16,7 @@ from grainfit.contact_models.sjkr.contact_model import SJKR
 from grainfit.contact_models.sjkr2.contact_model import SJKR2
 from grainfit.errors import Fault, InputError
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
-from grainfit.materials.walls import (
-    PLAIN,
-    on_wall,
-    plain_name,
-    same_on_walls,
-    wall_of,
-    walls_among,
-)
+from grainfit.materials.walls import PLAIN, on_wall, plain_name, same_on_walls, wall_of, walls_among
 from grainfit.registration import require_complete, require_unique
 
 #: A new contact model is a line here. If several models of one kind

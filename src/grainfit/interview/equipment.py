@@ -79,11 +79,6 @@ def equipment() -> dict[str, str]:
 def ways(at_hand: Collection[str]) -> tuple[Way, ...]:
     """Return the tests that can be measured.
 
-    Parameters
-    ----------
-    at_hand : collection of str
-        Names of `equipment`.
-
     Examples
     --------
     >>> [way.name for way in ways({"bucket", "scale", "funnel", "phone"})]

@@ -21,13 +21,6 @@ def rayleigh_radius(family: str, aspect_ratio: float) -> float:
     """Return `Clump.rayleigh_radius` of a family of clumps, interpolated.
 
     At an aspect ratio of 1, it is that of clumps whose spheres nearly coincide.
-
-    Parameters
-    ----------
-    family : str
-        Name in `FAMILIES`.
-    aspect_ratio : float
-        Within those of the family.
     """
     return float(np.interp(aspect_ratio, *rayleigh_radii(family)))
 

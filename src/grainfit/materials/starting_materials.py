@@ -123,15 +123,7 @@ def read_starting_material(name: str) -> StartingMaterial:
 
 
 def material_of_class(of_class: MaterialClass, title: str) -> StartingMaterial:
-    """Return a material of which nothing is published: all of it is usual for its class.
-
-    Parameters
-    ----------
-    of_class : MaterialClass
-        Its class.
-    title : str
-        Its name for people.
-    """
+    """Return a material of which nothing is published: all of it is usual for its class."""
     return StartingMaterial(
         name=of_class.name,
         title=title,

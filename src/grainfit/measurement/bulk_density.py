@@ -77,30 +77,14 @@ def bulk_density_in_box(
 ) -> Response:
     """Bulk density of the bed between two walls, periodic along y, between two heights.
 
-    Like `bulk_density`, for a box.
+    Like `bulk_density`, for a box: bed, heights, density and what is raised are as there.
 
     Parameters
     ----------
-    particles : Particles
-        The bed at rest.
     width : float
         The walls are at x = -width/2 and width/2, m.
     depth : float
         Period along y, m.
-    bottom, top : float
-        Heights between which the density is measured, m.
-
-    Returns
-    -------
-    Response
-        Mass over volume, kg/m^3, and its standard error.
-
-    Raises
-    ------
-    NotMeasurableError
-        The bed does not fill the box up to ``top``.
-    InputError
-        The volume to measure in is empty.
     """
     x = particles.positions[:, 0]
     inside = np.abs(x) < width / 2

@@ -8,12 +8,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from grainfit.measurement.angle_of_repose import (
-    AngleOfRepose,
-    View,
-    heap_silhouette,
-    on_plate,
-)
+from grainfit.measurement.angle_of_repose import AngleOfRepose, View, heap_silhouette, on_plate
 from grainfit.measurement.particles import Particles
 from grainfit.measurement.sheet import (
     INK,

@@ -67,8 +67,6 @@ def maximin_latin_hypercube(n: int, d: int, seed: int) -> _Floats:
     >>> points = maximin_latin_hypercube(26, 2, seed=1)
     >>> points.shape
     (26, 2)
-    >>> bool(smallest_distance(points) > 0.15)
-    True
     """
     _require_whole_numbers({"n": (n, 1), "d": (d, 1), "seed": (seed, 0)})
     random = np.random.default_rng(seed)
@@ -77,11 +75,6 @@ def maximin_latin_hypercube(n: int, d: int, seed: int) -> _Floats:
     if 2 < n <= _MOST_POINTS and d > 1:
         levels = _anneal(levels, random)
     return np.ascontiguousarray((levels.T + 0.5) / n)
-
-
-def smallest_distance(points: _Floats) -> float:
-    """Smallest Euclidean distance between any two of the points, shape (n, d); inf for one."""
-    return float(np.sqrt(_squared_distances(np.asarray(points, dtype=float).T).min()))
 
 
 def _require_whole_numbers(arguments: dict[str, tuple[Any, int]]) -> None:

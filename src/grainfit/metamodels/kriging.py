@@ -361,23 +361,7 @@ class Kriging:
         return self._combine(means, variances)
 
     def gradients(self, points: ArrayLike) -> FloatArray:
-        """Gradients of the predicted mean.
-
-        Parameters
-        ----------
-        points : array_like, shape (m, d)
-            Points in the unit cube.
-
-        Returns
-        -------
-        ndarray, shape (m, d)
-            Change of the mean per unit of each coordinate.
-
-        Raises
-        ------
-        InputError
-            If the points have another shape or are not finite.
-        """
+        """Gradients of the mean of `predict`, shape (m, d), per unit of each coordinate."""
         points = checked("points", points, (None, self.d))
         gradients = np.array([component.gradients(points) for component in self._components])
         return np.asarray(self._scale * np.tensordot(self._weights, gradients, axes=1))
@@ -387,10 +371,7 @@ class Kriging:
     ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """Prepare covariances of the expected response between these points and any others.
 
-        Parameters
-        ----------
-        points : array_like, shape (m, d)
-            Points in the unit cube.
+        Points are those of `predict`.
 
         Returns
         -------
@@ -398,11 +379,6 @@ class Kriging:
             Of other points, shape (n, d): the covariances, shape (m, n), and the variances of the
             mean at the others, shape (n,). They account for the uncertainty of the
             hyperparameters, as the variances of `predict` do.
-
-        Raises
-        ------
-        InputError
-            If the points have another shape or are not finite.
         """
         points = checked("points", points, (None, self.d))
         here = [component.project(points) for component in self._components]
@@ -435,21 +411,13 @@ class Kriging:
     ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """Prepare covariances of the response at these points with that of the relative at others.
 
-        Parameters
-        ----------
-        points : array_like, shape (m, d)
-            Points in the unit cube.
+        Points are those of `predict`.
 
         Returns
         -------
         callable
             Of other points, shape (n, d): the covariances, shape (m, n), and the variances of the
             relative's mean at the others, shape (n,).
-
-        Raises
-        ------
-        InputError
-            As `predict`.
         """
         points = checked("points", points, (None, self.d))
         assert self._relative is not None, "only a response with a relative has these"
@@ -523,15 +491,7 @@ class Kriging:
     def condition_on_pending(self, points: ArrayLike) -> Kriging:
         """Add pending runs: the mean stays the same, the variance shrinks to its later value.
 
-        Parameters
-        ----------
-        points : array_like, shape (m, d)
-            Points of the pending runs.
-
-        Raises
-        ------
-        InputError
-            As `fit`.
+        Points and what is raised are those of `condition`.
         """
         points = checked_points(points, self.d)
         noise = self._usual_known_noise(len(points))
@@ -545,15 +505,7 @@ class Kriging:
     def condition_on_pending_relative(self, points: ArrayLike) -> Kriging:
         """Add pending runs of the relative, of which the relative's own mean is expected.
 
-        Parameters
-        ----------
-        points : array_like, shape (m, d)
-            Points of the pending runs.
-
-        Raises
-        ------
-        InputError
-            As `fit`.
+        Points and what is raised are those of `condition`.
         """
         assert self._relative is not None, "only a response with a relative has its runs"
         relative = self._relative.with_model(self._relative.model.condition_on_pending(points))

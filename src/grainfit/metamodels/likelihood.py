@@ -69,11 +69,6 @@ def log_prior(problem: Problem, points: Array) -> Array:
 def log_density(metamodels: Metamodels) -> Callable[[Array], Array]:
     """Return the logarithm of the posterior density over the unit cube, but for a constant.
 
-    Parameters
-    ----------
-    metamodels : Metamodels
-        Of all responses.
-
     Returns
     -------
     callable

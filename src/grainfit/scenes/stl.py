@@ -76,11 +76,6 @@ class StlContent:
 def read_stl(path: Path) -> StlContent:
     """Read an STL file, text or binary.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-
     Raises
     ------
     InputError

@@ -45,15 +45,7 @@ class Speed:
         return cls(cls(1.0).cost(workload).wall_seconds / seconds)
 
     def cost(self, workload: Workload, ranks: int = 1) -> RunCost:
-        """Estimate the cost of a run.
-
-        Parameters
-        ----------
-        workload : Workload
-            What is computed.
-        ranks : int
-            MPI ranks of the run.
-        """
+        """Estimate the cost of a run."""
         spheres = workload.particles * workload.spheres
         speed = self.sphere_steps * gain_of_ranks(ranks)
         speed *= min(_CACHED_SPHERES / spheres, 1.0) ** _CACHE_EXPONENT

@@ -14,13 +14,7 @@ from grainfit.options.places import Place
 from grainfit.table_files import messages
 from grainfit.table_files.headings import Heading
 from grainfit.table_files.numbers import decimal_mark, parse_number
-from grainfit.table_files.reading import (
-    Reading,
-    TableFaults,
-    Wanted,
-    find_column,
-    require_headings,
-)
+from grainfit.table_files.reading import Reading, TableFaults, Wanted, find_column, require_headings
 from grainfit.table_files.spread import columns_of_spread, kind_of_spread
 from grainfit.table_files.table import Table, read_table
 

@@ -82,15 +82,6 @@ def columns_of_spread(
 
     That is one column with the standard error; or one with the standard deviation and one with the
     number of measurements.
-
-    Parameters
-    ----------
-    headings : sequence of Heading
-        All headings.
-    points : pair of int
-        Columns of coordinates and values.
-    values : Wanted
-        The values.
     """
     kinds: dict[str, list[int]] = {}
     for heading in headings:

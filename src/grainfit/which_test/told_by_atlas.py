@@ -80,15 +80,7 @@ def told_tests(
 
 
 def untold_effects(solvers: Mapping[str, Solver], cloud: Cloud) -> dict[str, list[str]]:
-    """Return the tests of which the atlas does not tell what a parameter does, by parameter.
-
-    Parameters
-    ----------
-    solvers : mapping of str to Solver
-        By name of the test.
-    cloud : Cloud
-        Of the free parameters.
-    """
+    """Return the tests of which the atlas does not tell what a parameter does, by parameter."""
     found: dict[str, list[str]] = {}
     for test, solver in solvers.items():
         try:

@@ -77,11 +77,6 @@ def estimate(source: str | Path | CalibrationSetup, *, seed: int = 1) -> Estimat
 def estimate_of_running(folder: Path) -> Estimate | None:
     """Estimate the parameters of a calibration by the runs that it has asked for.
 
-    Parameters
-    ----------
-    folder : Path
-        Its work folder.
-
     Returns
     -------
     Estimate or None

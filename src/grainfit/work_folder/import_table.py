@@ -15,19 +15,9 @@ from grainfit.errors import Fault
 from grainfit.evaluation import ERROR_SUFFIX, Response
 from grainfit.options.kinds import Quantity
 from grainfit.solvers.own_model import table_messages
-from grainfit.solvers.own_model.csv_table import (
-    SEED_COLUMN,
-    note_old_error_column,
-    repeated_runs,
-)
+from grainfit.solvers.own_model.csv_table import SEED_COLUMN, note_old_error_column, repeated_runs
 from grainfit.table_files.dialects import Row
-from grainfit.table_files.reading import (
-    Reading,
-    TableFaults,
-    Wanted,
-    column_of,
-    find_column,
-)
+from grainfit.table_files.reading import Reading, TableFaults, Wanted, column_of, find_column
 from grainfit.table_files.table import Table, read_table
 from grainfit.units import is_unit
 from grainfit.work_folder import messages

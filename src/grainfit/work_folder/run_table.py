@@ -18,11 +18,6 @@ _TYPES = {"seed": "Int64", "ended": "datetime64[us, UTC]"}
 def runs_table(records: Iterable[RunRecord]) -> pd.DataFrame:
     """Return runs as a table, in order, with their identities as index.
 
-    Parameters
-    ----------
-    records : iterable of RunRecord
-        The runs.
-
     Returns
     -------
     pandas.DataFrame

@@ -19,13 +19,9 @@ from grainfit.bulk_tests.compression.curve import (
     fit_modulus,
     loading_curves,
 )
-from grainfit.bulk_tests.compression.picture import draw_compression
 from grainfit.bulk_tests.compression.setup import CompressionSetup
-from grainfit.bulk_tests.compression.view import CompressionView
-from grainfit.bulk_tests.parameter_names import (
-    DENSITY,
-    MODULUS,
-)
+from grainfit.bulk_tests.compression.view import CompressionView, draw_compression
+from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder

@@ -57,15 +57,6 @@ class Curve:
     def of_stage(cls, run: RunOutput, stage: str, setup: CompressionSetup) -> Self:
         """Read the series of a stage.
 
-        Parameters
-        ----------
-        run : RunOutput
-            Output of a run.
-        stage : str
-            Name of the stage.
-        setup : CompressionSetup
-            Geometry of the test.
-
         Raises
         ------
         NotMeasurableError

@@ -21,9 +21,7 @@ from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.options import LENGTH, TIME
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_part
-from grainfit.bulk_tests.shared.plate import (
-    PLATE as PLATE_SURFACE,
-)
+from grainfit.bulk_tests.shared.plate import PLATE as PLATE_SURFACE
 from grainfit.bulk_tests.shared.plate import (
     ROUGH_PLATE,
     assumed_plate,

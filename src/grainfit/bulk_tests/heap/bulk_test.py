@@ -18,10 +18,7 @@ from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
 from grainfit.bulk_tests.shared.options import LENGTH, settling_option
-from grainfit.bulk_tests.shared.part_friction import (
-    AS_PARTICLES,
-    friction_of_part,
-)
+from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_part
 from grainfit.bulk_tests.shared.plate import (
     ON_PLATE,
     PLATE,

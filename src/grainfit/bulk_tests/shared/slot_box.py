@@ -209,17 +209,7 @@ class SlotBox(Vessel):
 
 
 def default_length(sizes: ParticleSizes, name: str, diameters: float) -> float:
-    """Return the default of a length of a container, m: what the largest particles need, or more.
-
-    Parameters
-    ----------
-    sizes : ParticleSizes
-        Particle size distribution.
-    name : str
-        Option of the length.
-    diameters : float
-        The length in Sauter diameters.
-    """
+    """Return the default of a length of a container, m: at least what large particles need."""
     return max(diameters * sizes.sauter_diameter, _LEAST[name] * max(sizes.diameters))
 
 

@@ -62,13 +62,6 @@ class Compression:
     def of_run(cls, run: RunOutput, setup: TriaxialSetup) -> Self:
         """Read the compression of a run.
 
-        Parameters
-        ----------
-        run : RunOutput
-            Output of a run.
-        setup : TriaxialSetup
-            Geometry of the test.
-
         Raises
         ------
         NotMeasurableError

@@ -19,11 +19,7 @@ from grainfit.calibration_file.checks.instruments import finer_than_instruments
 from grainfit.calibration_file.checks.large_time_step import large_time_step
 from grainfit.calibration_file.checks.near_spheres import near_spheres
 from grainfit.calibration_file.checks.photographs import changed_picture, other_speed
-from grainfit.calibration_file.checks.run_times import (
-    long_calibration,
-    mpi_ranks,
-    short_timeout,
-)
+from grainfit.calibration_file.checks.run_times import long_calibration, mpi_ranks, short_timeout
 from grainfit.calibration_file.checks.same_simulation import repeated_simulation, shared_simulation
 from grainfit.calibration_file.checks.solid_fractions import impossible_bulk_density
 from grainfit.calibration_file.checks.targets import too_few_targets
@@ -68,13 +64,7 @@ def all_checks() -> tuple[Check[Any], ...]:
 
 
 def findings(context: FileContext) -> Iterator[Finding]:
-    """Yield what the checks find in a calibration file.
-
-    Parameters
-    ----------
-    context : FileContext
-        The file.
-    """
+    """Yield what the checks find in a calibration file."""
     for check in _BEFORE_TESTS:
         yield from check(context)
     for name in dict.fromkeys(check.name for check in _checks_of(context.bulk_tests.values())):

@@ -433,13 +433,7 @@ class RunStore:
         return self._runs(status, _runs.c.model_hash.in_(list(model_hashes)))
 
     def runs_at_any_scale(self, natural_hashes: Collection[str]) -> list[RunRecord]:
-        """Return the finished runs of bulk tests that are the same in natural units.
-
-        Parameters
-        ----------
-        natural_hashes : collection of str
-            From `grainfit.bulk_tests.natural_units.natural_hash`.
-        """
+        """Return the finished runs of bulk tests that are the same in natural units."""
         if self._version < SCHEMA_VERSION:
             from grainfit.bulk_tests.natural_units import natural_hash
 

@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from grainfit.cards.other_programs.base import (
-    Group,
-    Material,
-    OtherProgram,
-    Setting,
-    plain_line,
-)
+from grainfit.cards.other_programs.base import Group, Material, OtherProgram, Setting, plain_line
 from grainfit.materials.walls import on_wall
 
 _SHEAR = "E / (2 (1 + nu)), for versions that ask for it in place of Young's modulus"

@@ -5,13 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from grainfit.cards.other_programs.base import (
-    Group,
-    Material,
-    OtherProgram,
-    Setting,
-    shown,
-)
+from grainfit.cards.other_programs.base import Group, Material, OtherProgram, Setting, shown
 from grainfit.contact_models.linear.model import springs
 
 _NO_PUBLIC_FORMULA = (

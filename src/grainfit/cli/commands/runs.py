@@ -12,13 +12,7 @@ from grainfit.cli.completion import complete_run
 from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.documents import AsJson, print_document, run_document, runs_document
 from grainfit.cli.help_texts import shown_default
-from grainfit.cli.options import (
-    CalibrationPath,
-    Force,
-    WorkFolder,
-    require_free,
-    workdir_option,
-)
+from grainfit.cli.options import CalibrationPath, Force, WorkFolder, require_free, workdir_option
 from grainfit.cli.verbosity import CommandLine
 from grainfit.errors import InputError, StoreError
 

@@ -8,11 +8,7 @@ from grainfit.contact_models.base import Kind
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.model import damping_factor
 from grainfit.contact_models.liggghts import LiggghtsKeywords
-from grainfit.contact_models.linear.model import (
-    normal_damping,
-    springs,
-    tangential_damping_ratio,
-)
+from grainfit.contact_models.linear.model import normal_damping, springs, tangential_damping_ratio
 
 
 class LinearLiggghts(LiggghtsKeywords):

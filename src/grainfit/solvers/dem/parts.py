@@ -109,15 +109,6 @@ def parts_on_walls(
     """Return the walls with a name of the parts of a test; the other parts are of the plain wall.
 
     Where there is no plain wall, and only one with a name, it is the wall of all parts.
-
-    Parameters
-    ----------
-    test : type
-        The test.
-    given : mapping of str to str
-        Names of walls by part.
-    declared : collection of str
-        All walls that there are.
     """
     if PLAIN in declared or len(declared) != 1:
         return dict(given)

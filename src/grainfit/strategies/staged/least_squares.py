@@ -34,13 +34,6 @@ def fit_on_metamodels(metamodels: Metamodels, seed: int) -> Array:
     and the centre). Of several points that fit equally well, it returns the one with the smallest
     uncertainty.
 
-    Parameters
-    ----------
-    metamodels : Metamodels
-        Metamodels of all responses.
-    seed : int
-        Decides the starts.
-
     Returns
     -------
     ndarray, shape (d,)
