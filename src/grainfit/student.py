@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+#: Probability of every interval that is shown.
+LEVEL = 0.95
 #: Half the width of a 95 % interval in standard deviations.
 NORMAL_QUANTILE = 1.96
 
@@ -24,4 +26,4 @@ def student_factor(count: int) -> float:
     # Those who need the quantile alone do not wait for SciPy.
     from scipy.special import stdtrit
 
-    return float(stdtrit(count - 1, 0.975)) / NORMAL_QUANTILE
+    return float(stdtrit(count - 1, (1 + LEVEL) / 2)) / NORMAL_QUANTILE

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from grainfit.analysis.posterior import Posterior
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
+from grainfit.student import LEVEL
 from grainfit.which_test.determination import interval_of
-
-_LEVEL = 0.95
 
 
 def parameter_intervals(
@@ -54,7 +53,7 @@ def parameter_intervals(
 def _interval(
     posterior: Posterior, parameter: Parameter, answer: float | None, bias: str
 ) -> ParameterInterval:
-    low, high = posterior.interval(parameter.name, _LEVEL)
+    low, high = posterior.interval(parameter.name, LEVEL)
     if answer is not None:
         low, high = min(low, answer), max(high, answer)
     return interval_of(parameter, low, high, bias)

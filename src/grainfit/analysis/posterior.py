@@ -20,6 +20,7 @@ from grainfit.metamodels.likelihood import log_density
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_line import one_line
 from grainfit.problem import Parameter, Problem
+from grainfit.student import LEVEL
 
 Array = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ class Posterior:
         """Names of the parameters."""
         return tuple(parameter.name for parameter in self.parameters)
 
-    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+    def interval(self, name: str, level: float = LEVEL) -> tuple[float, float]:
         """Credible interval of a parameter, SI: equal-tailed, and up to bounds that are near.
 
         An end that is nearer to its bound than a tenth of the interval lies on the bound.

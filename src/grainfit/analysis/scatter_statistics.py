@@ -6,8 +6,8 @@ import math
 
 from scipy.special import gammaincinv, ndtri, stdtrit
 
-#: Confidence of all intervals.
-LEVEL = 0.95
+from grainfit.student import LEVEL
+
 #: Runs at one parameter set from which on a calibration becomes expensive, and something else helps
 #: more: the budget of the sequential search is 20 runs per free parameter.
 MANY_RUNS = 20

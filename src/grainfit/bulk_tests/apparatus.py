@@ -38,6 +38,8 @@ _OTHERS = ("orifice", "base", "lining", "end_caps", "taps", "fill_level", "inert
 _MEASURED = ("bulk_density_bottom", "bulk_density_top")
 #: Options that give another one.
 _ANOTHER_WAY = {"rotational_speed": "froude_number"}
+#: What is filled in, and the option that gives its number.
+_FILLING, _COUNT = "particles", "particle_count"
 _DIGITS = 3
 _LINES = {
     "given": messages.GIVEN,
@@ -66,6 +68,11 @@ class ApparatusValue:
     value: str
     origin: Origin
     instrument: str = ""
+
+    @property
+    def option(self) -> str:
+        """The option that gives the value."""
+        return _COUNT if self.name == _FILLING else self.name
 
     def __str__(self) -> str:
         return f"{self.name.replace('_', ' ')} {self.value}"
@@ -137,8 +144,8 @@ class _Apparatus:
             is_named = frictions.get(key.name) in self.walls
             origin = "given" if is_named else self._origin(key.name, value)
             yield self._value(key.name, shown, origin)
-        count = values.get("particle_count")
-        yield self._value("particles", self._filling(), self._origin("particle_count", count))
+        count = values.get(_COUNT)
+        yield self._value(_FILLING, self._filling(), self._origin(_COUNT, count))
 
     def _value(self, name: str, shown: str, origin: Origin) -> ApparatusValue:
         title = self.instrument.title if self.instrument and origin == "instrument" else ""

@@ -22,10 +22,8 @@ from grainfit.problem import Problem, Target
 from grainfit.result import CurveResult, ResponseResult, Result, RunCounts, RunSummary
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
+from grainfit.student import LEVEL
 from grainfit.verdict.rule import Status
-
-#: Confidence of the largest share of jams.
-_CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
@@ -188,10 +186,11 @@ def _response(target: Target, outcome: JudgedAnswer) -> ResponseResult:
 
 
 def _jams_not_excluded(answer: Answer, name: str) -> float | None:
+    """Return the largest share of jams at the answer that its runs do not exclude."""
     runs = answer.runs.get(name, 0)
     if not runs or name in answer.outliers:
         return None
-    return float(1 - (1 - _CONFIDENCE) ** (1 / runs))
+    return float(1 - (1 - LEVEL) ** (1 / runs))
 
 
 def _counts(evaluations: Sequence[Evaluation], known: int) -> RunCounts:

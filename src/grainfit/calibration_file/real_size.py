@@ -120,9 +120,9 @@ class RealSizeCalibration:
             for _ in range(_MOST_SERIES):
                 if result.status != "predicted":
                     return result
-                learnt = self._learn(result, twins)
-                has_moved = self._has_moved(twins, learnt)
-                twins = learnt
+                updated = self._learn(result, twins)
+                has_moved = self._has_moved(twins, updated)
+                twins = updated
                 self._say(messages.NEXT_SEARCH())
                 result = self._search(twins)
                 if not has_moved:

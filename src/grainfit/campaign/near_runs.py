@@ -46,7 +46,6 @@ _SAME = 1e-6
 #: Of a run, what may be another and is no number of the experiment.
 _VERSION, _RANKS = "version", "ranks"
 _SIZES = ("diameters", "mass_fractions")
-_COUNT = "particle_count"
 #: Hexadecimal digits of an identity that serve as a seed: near runs may share those of own runs.
 _DIGITS_OF_SEED = 12
 
@@ -143,8 +142,7 @@ class _NearRunMatcher:
         kept = [name for name in options if not _is_same(ours[name], there[name])]
         if len(kept) < len(options):
             yield "particle diameter", (run.scale.length, millimetres(run.scale.length))
-        given = {one.name for one in apparatus_of(run.test) if one.origin == "given"}
-        given = {_COUNT if name == "particles" else name for name in given}
+        given = {one.option for one in apparatus_of(run.test) if one.origin == "given"}
         chosen = [
             name for name in kept if name in given or getattr(self._test, name, None) is not None
         ]

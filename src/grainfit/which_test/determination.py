@@ -5,14 +5,13 @@ from __future__ import annotations
 from grainfit.materials.card import Determination
 from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
-from grainfit.student import NORMAL_QUANTILE
+from grainfit.student import LEVEL, NORMAL_QUANTILE
 from grainfit.verdict.out_of_reach import Bound
 
 #: Width of a 95 % interval over that before the tests: up to the first determined, from the second
 #: on not determined.
 DETERMINED = 0.25
 OPEN = 0.9
-_LEVEL = 0.95
 
 
 def interval_of(parameter: Parameter, low: float, high: float, bias: str = "") -> ParameterInterval:
@@ -53,7 +52,7 @@ def narrowing(parameter: Parameter, low: float, high: float) -> float:
     if parameter.uncertainty is not None:
         return min(max(high - low, 0.0) / (2 * NORMAL_QUANTILE * parameter.uncertainty), 1.0)
     width = parameter.to_unit(high) - parameter.to_unit(low)
-    return min(max(width, 0.0) / _LEVEL, 1.0)
+    return min(max(width, 0.0) / LEVEL, 1.0)
 
 
 def determination(narrowing: float) -> Determination:
