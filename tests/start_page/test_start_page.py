@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 from playwright.sync_api import Page, expect
 
@@ -105,7 +106,7 @@ def test_a_start_runs_and_leads_to_the_page_that_follows_it(server: StartServer)
         with page.expect_popup() as followed:
             page.locator("#watch").click()
         expect(followed.value.locator("#name")).to_have_text("sand")
-        expect(page.locator("#followed")).to_contain_text("It has ended")
+        expect(page.locator("#followed")).to_contain_text("It has ended: undecided.")
         with page.expect_download() as handed:
             page.get_by_role("link", name="JSON").click()
         card = json.loads(handed.value.path().read_text())
@@ -177,14 +178,20 @@ def test_what_is_refused_is_said_and_an_editor_may_come_between(server: StartSer
     assert server.path.read_text() == "name = "
 
 
-def test_a_calibration_is_started_once(server: StartServer) -> None:
+def test_a_prediction_is_verified_at_full_size_once(server: StartServer) -> None:
     server.path.write_text(OWN)
     Path("model.py").write_text(MODEL.replace("0.05", "0.5"))
-    server.start_run()
+    server.work_folder.mkdir()
+    (server.work_folder / "result.json").write_text('{"status": "predicted"}')
+    assert server.state()["run"]["state"] == "predicted"
+    server.start_run("--full-size")
+    assert server._run is not None
+    process = server._run._process
     try:
+        assert psutil.Process(process.pid).cmdline()[-2:] == [str(server.path), "--full-size"]
+        assert server.state()["run"]["state"] == ""
         with pytest.raises(Exception, match=messages.RUNS_ALREADY.pattern):
-            server.start_run()
+            server.start_run("")
     finally:
-        assert server._run is not None
-        server._run._process.terminate()
-        server._run._process.wait(60)
+        process.terminate()
+        process.wait(60)

@@ -1,8 +1,10 @@
-"""What is handed over of a calibration that has ended: cards and the customer's sheet."""
+"""What comes of a calibration that has ended: its state, cards and the customer's sheet."""
 
 from __future__ import annotations
 
+import json
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 from grainfit.campaign.work_folder import RESULT_NAME
@@ -17,6 +19,13 @@ _ENDINGS = {"json": "json", "csv": "csv", "yade": "py"}
 def offers(folder: Path) -> list[str]:
     """Return the names of what `handed_over` makes; none before there is a result."""
     return [SHEET, *FORMATS] if (folder / RESULT_NAME).exists() else []
+
+
+def state_of(folder: Path) -> str:
+    """Return the state of the result in a work folder; empty without a result that can be read."""
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        return str(json.loads((folder / RESULT_NAME).read_text(encoding="utf-8"))["status"])
+    return ""
 
 
 def handed_over(folder: Path, name: str) -> tuple[str, str, bytes]:

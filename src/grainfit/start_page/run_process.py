@@ -20,6 +20,8 @@ class RunProcess:
     ----------
     file : Path
         The calibration file.
+    *options : str
+        Further ones of the command.
 
     Raises
     ------
@@ -27,10 +29,10 @@ class RunProcess:
         No process can be started.
     """
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, *options: str) -> None:
         self._said = tempfile.TemporaryFile()  # noqa: SIM115  # as long as the page
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "grainfit", "run", str(file)],
+            [sys.executable, "-P", "-m", "grainfit", "run", str(file), *options],
             stdin=subprocess.DEVNULL,
             stdout=self._said,
             stderr=subprocess.STDOUT,

@@ -345,7 +345,16 @@
 
   // --- The calibration ----------------------------------------------------------------------------
 
+  const ENDED = {
+    calibrated: "calibrated",
+    predicted: "predicted from smaller apparatus, and not verified at full size",
+    undecided: "undecided",
+    out_of_tolerance: "out of tolerance",
+    unreachable: "a target is out of reach",
+    interrupted: "interrupted",
+  };
   const follow = () => {
+    at("full-size").hidden = !(state.run && state.run.state === "predicted");
     const run = state.run || {};
     const shown = [];
     if (run.watch) {
@@ -355,9 +364,8 @@
       })));
     }
     if (run.started && run.code !== null) {
-      shown.push(element("p", { textContent: run.code === 0
-        ? "It has ended: calibrated. Its page leads to the report."
-        : `It has ended (exit code ${run.code}).` }));
+      const ended = ENDED[run.state] || `exit code ${run.code}`;
+      shown.push(element("p", { textContent: `It has ended: ${ended}. Its page leads to the report.` }));
       const pre = element("pre", { textContent: run.said, tabIndex: 0 });
       pre.setAttribute("role", "region");
       pre.setAttribute("aria-label", "End of its output");
@@ -400,10 +408,11 @@
       setTimeout(look, LOOK);
     }
   };
-  at("run").addEventListener("click", async () => {
+  const begin = async (given) => {
     at("run").hidden = true;
+    at("full-size").hidden = true;
     at("plan-state").textContent = "Starting …";
-    const found = await ask("run");
+    const found = await ask("run", { given });
     at("plan-state").textContent = found.refused || "";
     if (found.refused) {
       return;
@@ -411,7 +420,9 @@
     show(found);
     at("watch").focus();
     setTimeout(look, LOOK);
-  });
+  };
+  at("run").addEventListener("click", () => begin(""));
+  at("full-size").addEventListener("click", () => begin("--full-size"));
 
   // --- All of it ----------------------------------------------------------------------------------
 

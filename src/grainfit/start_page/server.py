@@ -24,7 +24,7 @@ from grainfit.local_pages.server import JSON, LocalHandler, LocalServer, listen
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
 from grainfit.report.rendering import script_json
 from grainfit.start_page import messages
-from grainfit.start_page.hand_over import handed_over, offers
+from grainfit.start_page.hand_over import handed_over, offers, state_of
 from grainfit.start_page.page import start_page
 from grainfit.start_page.run_process import RunProcess
 from grainfit.start_page.uploads import LONGEST, Upload
@@ -32,6 +32,8 @@ from grainfit.tables import TextTable
 from grainfit.watch.server import WatchServer
 
 State = dict[str, Any]
+#: Option of the command that runs each real test once.
+FULL_SIZE = "--full-size"
 #: Addresses of what is handed over, and of overlays of pictures, begin so.
 _HAND_OVER, _OVERLAY = "hand-over/", "overlay/"
 
@@ -168,8 +170,13 @@ class StartServer(LocalServer):
         """
         return {"parts": _parts(self._interview().measurement_plan().summary())}
 
-    def start_run(self) -> State:
+    def start_run(self, how: str) -> State:
         """Start the calibration, unless it runs.
+
+        Parameters
+        ----------
+        how : str
+            With `FULL_SIZE`, what smaller apparatus predicted is verified; else empty.
 
         Raises
         ------
@@ -185,7 +192,7 @@ class StartServer(LocalServer):
             problems = interview.plan().problems
             if problems:
                 raise InputError([Fault("", words) for words in problems])
-            self._run = RunProcess(self.path)
+            self._run = RunProcess(self.path, *([FULL_SIZE] if how == FULL_SIZE else []))
         return self.state()
 
     def one_at_a_time(self, ask: Callable[[], State]) -> State:
@@ -225,6 +232,7 @@ class StartServer(LocalServer):
             "started": self._run is not None,
             "code": self._run.code if self._run else None,
             "said": self._run.tail() if self._run and self._run.code is not None else "",
+            "state": "" if self.is_running else state_of(folder),
             "offers": [] if self.is_running else offers(folder),
         }
 
@@ -277,7 +285,7 @@ class _Handler(LocalHandler):
             "estimate": partial(server.one_at_a_time, partial(server.estimate, key, text)),
             "plan": partial(server.one_at_a_time, server.plan),
             "compare": partial(server.one_at_a_time, server.compare),
-            "run": server.start_run,
+            "run": partial(server.start_run, text),
         }
         self._send_state(asked[rest])
 
