@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from grainfit.analysis import sensitivity as module
-from grainfit.analysis.surfaces import draw_surfaces
+from grainfit.analysis.response_surfaces import draw_surfaces
 from grainfit.metamodels.kriging import POOR_Q2, Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target

@@ -26,7 +26,7 @@ from grainfit.evaluation import Evaluation as Evaluation
 from grainfit.evaluation import Proposal as Proposal
 from grainfit.evaluation import Response as Response
 from grainfit.interview.interview import Interview as Interview
-from grainfit.materials.sieve_file import sieve_curve as sieve_curve
+from grainfit.materials.diameters import sieve_curve as sieve_curve
 from grainfit.materials.size_classes import divide_into_classes as divide_into_classes
 from grainfit.materials.size_distributions import LogNormal as LogNormal
 from grainfit.materials.size_distributions import RosinRammler as RosinRammler

@@ -7,8 +7,8 @@ import pytest
 from given_metamodels import Function, Given, given, unit_parameters
 from scipy.stats import qmc
 
+from grainfit.analysis.response_surfaces import draw_surfaces
 from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
-from grainfit.analysis.surfaces import draw_surfaces
 from grainfit.errors import InputError
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels

@@ -17,8 +17,8 @@ from grainfit.bulk_tests.size import growth, resized
 from grainfit.bulk_tests.workload import workload
 from grainfit.errors import InputError
 from grainfit.evaluation import Curve, Response
-from grainfit.scenes.faults import scene_faults
 from grainfit.scenes.run_output import RunOutput
+from grainfit.scenes.scene_faults import scene_faults
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts

@@ -10,10 +10,10 @@ from grainfit import scenes
 from grainfit.errors import InputError
 from grainfit.scenes import conditions, messages, packing, records, scene, shapes
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
-from grainfit.scenes.faults import scene_faults
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, Series, Travel
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
+from grainfit.scenes.scene_faults import scene_faults
 from grainfit.scenes.shapes import Block, Cylinder, Plane, Prism
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.simulated_scenes import MASS, RADIUS, WEIGHT, frames, scene_of, spheres

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from grainfit.errors import InputError
-from grainfit.materials.sieve_file import sieve_curve
+from grainfit.materials.diameters import sieve_curve
 from grainfit.options.kinds import Quantity
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.table_files import messages

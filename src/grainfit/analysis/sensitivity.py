@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from grainfit.analysis import messages
-from grainfit.analysis.surfaces import draw_surfaces
+from grainfit.analysis.response_surfaces import draw_surfaces
 from grainfit.errors import InputError
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels

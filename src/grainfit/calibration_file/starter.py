@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
+from math import radians, tan
 
 from grainfit.bulk_tests.abilities import starter_remarks
 from grainfit.bulk_tests.base import BulkTest
@@ -13,7 +14,6 @@ from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_in
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.examples import DIAMETER_OF_EXAMPLES, example_target, scaled_example
 from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.starting_materials import StartingMaterial
@@ -21,6 +21,7 @@ from grainfit.materials.starting_values import StartingValue
 from grainfit.options.tables import Key
 from grainfit.solvers.other_names import instead_of_program, instead_of_test
 from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.units import to_unit
 
 #: Column at which remarks begin.
 _REMARK = 40
@@ -99,6 +100,24 @@ name = "sequential"                     # every run where it helps most; or "sta
 # A DEM model of your own, instead of these tests or beside them, and all other keys:
 # docs/reference/calibration_file; runs in jobs of a cluster: docs/clusters.md
 """
+#: Diameter and bulk density of the particles that the examples of tests are for, mm and kg/m^3.
+DIAMETER_OF_EXAMPLES = 10.0
+_BULK_DENSITY_OF_EXAMPLES = 1350.0
+#: Powers of diameter and bulk density that quantities of a unit follow, with Froude's number kept.
+_POWERS = {
+    "mm": (1.0, 0),
+    "s": (0.5, 0),
+    "m/s": (0.5, 0),
+    "rad/s": (-0.5, 0),
+    "kg/s": (2.5, 1),
+    "kg/m^3": (0.0, 1),
+}
+_QUANTITY = re.compile(rf'"([\d.]+) ({"|".join(map(re.escape, _POWERS))})"')
+#: Size of a heap in diameters, at an angle of repose of 45 degrees, and the power of the tangent of
+#: the angle that it follows: fitted to simulated heaps of rough spheres of 20 to 41 degrees, of
+#: which all are within 2 % in radius and 8 % in height. A cone of given volume has powers of -1/3
+#: and 2/3; heaps have a foot and a round top.
+_SIZE_OF_HEAP = {"base_radius": (10.3, -0.21), "heap_height": (8.7, 0.56)}
 
 
 def starter_file(
@@ -310,3 +329,57 @@ def _option(key: Key, material: StartingMaterial | None, why_set: str | None) ->
 
 def _with_remark(line: str, remark: str) -> str:
     return f"{line:<{_REMARK - 1}} # {remark}" if remark else line
+
+
+def scaled_example(example: str, material: StartingMaterial | None) -> str:
+    """Return an example for particles of the size and bulk density of a material.
+
+    Parameters
+    ----------
+    example : str
+        TOML, for particles of `DIAMETER_OF_EXAMPLES`.
+    material : StartingMaterial, optional
+        The material; without it the example is as it was.
+    """
+    if material is None:
+        return example
+    size = _diameter(material) / DIAMETER_OF_EXAMPLES
+    density = to_unit(material.example_targets["bulk_density"], "kg/m^3")
+
+    def of_material(found: re.Match[str]) -> str:
+        of_size, of_density = _POWERS[found[2]]
+        ratio = size**of_size * (density / _BULK_DENSITY_OF_EXAMPLES) ** of_density
+        return f'"{_rounded(float(found[1]) * ratio)} {found[2]}"'
+
+    return _QUANTITY.sub(of_material, example)
+
+
+def example_target(response: str, example: str, material: StartingMaterial | None) -> str:
+    """Return an example of a target: the material's own value, or one that agrees with it.
+
+    Parameters
+    ----------
+    response : str
+        Name of the response.
+    example : str
+        TOML, for particles of `DIAMETER_OF_EXAMPLES`.
+    material : StartingMaterial, optional
+        The material; without it the example is as it was.
+    """
+    target = scaled_example(example, material)
+    if material is None:
+        return target
+    value = material.example_targets.get(response)
+    if response in _SIZE_OF_HEAP:
+        diameters, power = _SIZE_OF_HEAP[response]
+        slope = tan(radians(to_unit(material.example_targets["angle_of_repose"], "deg")))
+        value = f"{_rounded(diameters * _diameter(material) * slope**power)} mm"
+    return target if value is None else re.sub(r'value = "[^"]*"', f'value = "{value}"', target)
+
+
+def _diameter(material: StartingMaterial) -> float:
+    return to_unit(material.sections["particle"]["diameter"].value, "mm")
+
+
+def _rounded(value: float) -> str:
+    return f"{float(f'{value:.3g}'):g}"

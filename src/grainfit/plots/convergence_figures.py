@@ -13,7 +13,7 @@ from grainfit.formatting import plain, with_unit
 from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
-from grainfit.plots.expectation import Expectation, expectations_at_answer
+from grainfit.plots.expected_course import Expectation, expectations_at_answer
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_response
 from grainfit.plots.style import GREEN, STAGES, VERMILION, tolerance_band, value_range

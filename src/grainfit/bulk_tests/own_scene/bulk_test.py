@@ -34,10 +34,10 @@ from grainfit.options.places import Place
 from grainfit.options.python_file import PythonFile
 from grainfit.options.tables import Key, Named
 from grainfit.scenes.duration import expected_duration
-from grainfit.scenes.faults import scene_faults
 from grainfit.scenes.packing import Column
 from grainfit.scenes.run_output import RunOutput, snapshot_file
 from grainfit.scenes.scene import Scene, Wall
+from grainfit.scenes.scene_faults import scene_faults
 from grainfit.scenes.shapes import Mesh, Shape
 from grainfit.units import UnitError, to_si
 

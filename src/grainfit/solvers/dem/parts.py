@@ -13,7 +13,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.materials.walls import PLAIN, parameters_of, walls_among, with_plain_wall
 from grainfit.options.kinds import suggest
 from grainfit.scenes.scene import WALL, Scene
-from grainfit.scenes.surfaces import on_surfaces
+from grainfit.scenes.wall_surfaces import on_surfaces
 from grainfit.solvers.dem import messages
 
 

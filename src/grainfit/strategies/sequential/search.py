@@ -45,7 +45,7 @@ from grainfit.strategies.sequential.next_run import (
 )
 from grainfit.strategies.sequential.options import SequentialOptions
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
-from grainfit.strategies.sequential.stopping import StoppingRule
+from grainfit.strategies.sequential.stopping_rule import StoppingRule
 from grainfit.strategies.sequential.variance_reduction import most_narrowing_run
 from grainfit.verdict.options import VERDICT
 

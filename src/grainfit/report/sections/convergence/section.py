@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from grainfit.plots.convergence_figures import convergence_figures
-from grainfit.plots.expectation import checkpoints
+from grainfit.plots.expected_course import checkpoints
 from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 
