@@ -32,6 +32,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 FOLDER = DOCS / "reference" / "calibration_file"
 TESTS = {**BUILT_IN, OWN_SCENE.type: OWN_SCENE}
 _NONE = "–"
+_PARTS = re.compile(r"(?<=Parts: )\w+(, \w+)*(?=\.)")
 _STRATEGY, _SIZES, _INSTRUMENTS = "[strategy]", "particle sizes", "instruments"
 
 
@@ -102,7 +103,7 @@ def _test_tables(kind: TestType) -> str:
             f"`{key.name}`",
             _possible(key),
             "required" if key.required else key.default or _NONE,
-            key.description,
+            _PARTS.sub(lambda parts: re.sub(r"(\w+)", r"`\1`", parts[0]), key.description),
         )
         for key in kind.keys
     )
