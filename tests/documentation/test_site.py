@@ -112,7 +112,7 @@ def test_the_site_is_built_without_a_warning(theme: str, tmp_path: Path) -> None
     # A copy, because the build writes pages into docs/, as may another build at the same time.
     copied = tmp_path / "copy"
     copied.mkdir()
-    for name in ("examples", "tests", "CHANGELOG.md", "CONTRIBUTING.md"):
+    for name in ("examples", "src", "tests", "CHANGELOG.md", "CONTRIBUTING.md"):
         (copied / name).symlink_to(ROOT / name)
     shutil.copytree(DOCS, copied / "docs", ignore=shutil.ignore_patterns("generated"))
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q"]

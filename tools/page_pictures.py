@@ -1,0 +1,72 @@
+"""Take the pictures of a watch page and of a report, docs/images/watch.png and report.png.
+
+python tools/page_pictures.py
+
+Runs examples/glass_beads with its real solver, two runs at a time, for some minutes, and looks at
+both pages with Chromium: at the first one after some runs, at the other at the end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+ROOT = Path(__file__).parents[1]
+IMAGES = ROOT / "docs" / "images"
+_FILE = ROOT / "examples" / "glass_beads" / "calibration.toml"
+_RUNS = 8
+#: The first screen of a report ends before its times, which are those of this machine.
+_HEIGHT, _ANSWER = 945, 664
+_LARGEST = 150_000
+
+
+def main() -> None:
+    """Write both pictures."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
+        page = browser.new_page(viewport={"width": 1200, "height": _HEIGHT})
+        work = Path(folder) / "glass_beads.grainfit"
+        command = [sys.executable, "-m", "grainfit", "run", str(_FILE), "--workers", "2"]
+        command += ["--workdir", str(work), "--watch"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as run:
+            assert run.stdout is not None
+            for line in run.stdout:
+                if found := re.search(r"http://\S+", line):
+                    page.goto(found.group().rstrip("."))
+                    break
+            while run.poll() is None and len(SavedCalibration.open(work).evaluations) < _RUNS:
+                page.wait_for_timeout(1000)
+            page.wait_for_timeout(3000)
+            _take(page, "watch")
+            run.stdout.read()
+        page.set_viewport_size({"width": 1200, "height": _ANSWER})
+        page.goto((work / "report.html").as_uri())
+        page.wait_for_timeout(2000)
+        _take(page, "report")
+        browser.close()
+
+
+def _take(page: Page, name: str) -> None:
+    """Write what is seen of a page, with as many colours as the file may have."""
+    taken = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    for colours in (256, 128, 64):
+        taken.quantize(colours).save(IMAGES / f"{name}.png", optimize=True)
+        if (IMAGES / f"{name}.png").stat().st_size <= _LARGEST:
+            return
+    raise SystemExit(f"{name}.png is larger than {_LARGEST} bytes")
+
+
+if __name__ == "__main__":
+    main()
