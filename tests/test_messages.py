@@ -100,6 +100,30 @@ def written_out(call: ast.Call) -> str:
     return re.sub(r"\W", "", "".join(map(str, literals)))
 
 
+def says(text: ast.AST) -> str:
+    """Return a sentence that stands in a text."""
+    parts = text.values if isinstance(text, ast.JoinedStr) else [text]
+    literal = "".join(str(one.value) if isinstance(one, ast.Constant) else "..." for one in parts)
+    return literal if len(re.findall(r"[a-z]{2,}", literal)) > 4 else ""
+
+
+def test_the_words_of_every_check_are_in_a_catalogue() -> None:
+    found = []
+    for path in (SOURCE / "grainfit").rglob("*.py"):
+        for function in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(function, ast.FunctionDef) and any(
+                ast.unparse(one).startswith("check(") for one in function.decorator_list
+            ):
+                texts = [
+                    node
+                    for statement in function.body[1:]
+                    for node in ast.walk(statement)
+                    if isinstance(node, ast.JoinedStr | ast.Constant)
+                ]
+                found += [f"{path.name}: {said}" for text in texts if (said := says(text))]
+    assert found == []
+
+
 def test_the_words_of_every_error_are_in_a_catalogue() -> None:
     found = []
     for path in (SOURCE / "grainfit").rglob("*.py"):

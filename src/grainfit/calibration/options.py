@@ -14,20 +14,7 @@ from grainfit.options.kinds import Choice, Flag, Whole
 class CalibrationOptions:
     """Options of a calibration that do not depend on its strategy; None leaves the default.
 
-    Parameters
-    ----------
-    max_runs : int, optional
-        Largest number of DEM runs, verification included.
-    seed : int, optional
-        Determines the design and all insertion seeds.
-    workers : int, optional
-        Runs at a time.
-    verification_runs : int, optional
-        Fresh seeds at the answer.
-    keep : {"all", "results"}, optional
-        Files of a finished run that are kept.
-    near_runs : bool, optional
-        Whether earlier runs of near problems guide the search.
+    They are the fields below, as in the calibration file.
 
     Raises
     ------

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 from grainfit.checks import Found, check
+from grainfit.contact_models import messages
 from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.registry import COHESION, contact_law
 from grainfit.errors import InputError
@@ -41,8 +42,7 @@ def solvers_differ(used: UsedContactLaw) -> Iterator[Found]:
     if law is None or len(solvers) < 2:
         return
     if difference := law.solver_difference(material, solvers):
-        names = in_a_row(solvers)
-        yield "", f"The tests run with {names}. {difference} Use one solver for all tests."
+        yield "", messages.SOLVERS_DIFFER(solvers=in_a_row(solvers), difference=difference)
 
 
 def _cohesive(used: UsedContactLaw) -> dict[str, float]:

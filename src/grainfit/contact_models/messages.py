@@ -31,3 +31,6 @@ TOO_SOFT = Message(
     "{overlap:.2g} % of their diameter.",
     "Give them {remedy}: {limit:g} % or less is simulated.",
 )
+SOLVERS_DIFFER = Message(
+    "The tests run with {solvers}. {difference}", "Use one solver for all tests."
+)

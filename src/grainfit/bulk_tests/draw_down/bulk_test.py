@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.base import BulkTest, Parts
 from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.draw_down import messages
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView, draw_draw_down
@@ -69,12 +70,7 @@ def smooth_walls(checked: CheckedTest[Any]) -> Iterator[Found]:
     """Walls so smooth that particles roll on them for longer than the test waits."""
     for key, value in checked.lowest.items():
         if plain_name(key) == "particle_wall.rolling_friction" and value < _LEAST:
-            yield (
-                key,
-                f"with {key} = {value:g}, particles roll on its walls for long, so that runs may "
-                f"fail because the bed does not come to rest. Give {_LEAST:g} or more if your "
-                "apparatus is not that smooth, or a longer settling_time_limit.",
-            )
+            yield key, messages.SMOOTH_WALLS(key=key, value=value, least=_LEAST)
 
 
 @dataclass(frozen=True)

@@ -120,9 +120,9 @@ def coarse_grained_scene(checked: CheckedTest[OwnScene]) -> Iterator[Found]:
     if test.sizes.coarse_graining > 1 and "scene" in test.functions:
         yield (
             "scene",
-            f"sizes are {test.sizes.coarse_graining:g} times the real ones "
-            f"(particle.coarse_graining). {test.functions['scene'].path.name} keeps the size "
-            "of the apparatus if it takes lengths from sizes.real or from options.",
+            messages.MAY_BE_ENLARGED(
+                factor=test.sizes.coarse_graining, file=test.functions["scene"].path.name
+            ),
         )
 
 

@@ -40,3 +40,7 @@ NOT_A_SCENE = Message("{function} gave {kind}, not a Scene: return grainfit.scen
 WRONG_TYPE = Message(
     "the scene of {function} has a value of a wrong type: {reason}: see docs/own_scenes.md"
 )
+MAY_BE_ENLARGED = Message(
+    "sizes are {factor:g} times the real ones (particle.coarse_graining). {file} keeps the size of "
+    "the apparatus if it takes lengths from sizes.real or from options."
+)

@@ -127,3 +127,12 @@ FOOT_OFF_FLOOR = Message(
     "use a larger floor_half_width, or a larger floor_rolling_friction if the floor of the "
     "laboratory is rough"
 )
+MAY_ARCH = Message(
+    "{opening} of {width} is {times} times as wide as the largest particles ({largest}). Below "
+    "{arches:g} they may arch, and nothing flows."
+)
+SURPLUS_PARTICLES = Message(
+    "particle_count = {given}, but {needed} fill it up to strike_off_height ({height}); the rest "
+    "is cut off there, before anything is measured.",
+    "Leave particle_count out, or raise strike_off_height.",
+)

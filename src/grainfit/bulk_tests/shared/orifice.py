@@ -80,10 +80,13 @@ class Orifice:
         if sizes.coarse_graining == 1 and self._is_narrow(sizes):
             yield (
                 self.option,
-                f"{self.words} of {millimetres(self.width)} is "
-                f"{number(self._diameters(sizes), 3)} times as wide as the largest particles "
-                f"({millimetres(max(sizes.outer_diameters))}). Below {ARCHES:g} they may arch, "
-                "and nothing flows.",
+                messages.MAY_ARCH(
+                    opening=self.words,
+                    width=millimetres(self.width),
+                    times=number(self._diameters(sizes), 3),
+                    largest=millimetres(max(sizes.outer_diameters)),
+                    arches=ARCHES,
+                ),
             )
 
     def _diameters(self, sizes: ParticleSizes) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.shared import messages
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
 from grainfit.formatting import millimetres
@@ -29,8 +30,9 @@ def surplus_particles(checked: CheckedTest[Any]) -> Iterator[Found]:
     if given > _FAR_TOO_MANY * usual.number_of_particles:
         yield (
             "particle_count",
-            f"particle_count = {given}, but {usual.number_of_particles} fill it up to "
-            f"strike_off_height ({millimetres(usual.setup.strike_off_height)}); the rest is cut "
-            "off there, before anything is measured. Leave particle_count out, or raise "
-            "strike_off_height.",
+            messages.SURPLUS_PARTICLES(
+                given=given,
+                needed=usual.number_of_particles,
+                height=millimetres(usual.setup.strike_off_height),
+            ),
         )

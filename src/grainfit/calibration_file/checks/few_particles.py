@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grainfit.bulk_tests.abilities import user_functions
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.formatting import counted, millimetres, percent
@@ -26,8 +27,10 @@ def few_particles(context: FileContext) -> Iterator[Found]:
             continue
         yield (
             "particle.diameter",
-            f"Test {name} has {counted(numbers[fewest], 'particle')} of "
-            f"{millimetres(test.sizes.real.diameters[fewest])}, for "
-            f"{percent(test.sizes.mass_fractions[fewest])} of the mass. Use more particles, or "
-            "leave out the ends of the distribution.",
+            messages.FEW_PARTICLES(
+                test=name,
+                particles=counted(numbers[fewest], "particle"),
+                diameter=millimetres(test.sizes.real.diameters[fewest]),
+                share=percent(test.sizes.mass_fractions[fewest]),
+            ),
         )

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from grainfit.calibration.runs_to_come import RecordedScatter, in_words, recorded_scatters
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.calibration_file.run_time import largest_number
 from grainfit.checks import Found, check
@@ -70,12 +71,17 @@ def _forecast(found: RecordedScatter, dimension: int, others: int, budget: int |
     offered = dimension + 4 + _OFFERED
     wide = found.relative / scatter_with_runs(offered, dimension)
     one = "recorded runs scatter" if repeats == 1 else f"means of {repeats} recorded runs scatter"
-    percent = 'If a percentage was meant, write it as one: "1 %".'
-    return (
-        f"{target.name}: {one} by about {number(100 * found.relative, 2)} %, and its tolerance, "
-        + f"{target.tolerance:.4g} {target.unit}".rstrip()
-        + f", is {number(100 * tolerated, 2)} % of the value: {in_words(runs)} runs. About "
-        f"{math.ceil(10 * undecided)} of 10 such calibrations end undecided, with a budget of "
-        f"{budget} runs; a tolerance of {number(100 * wide, 2)} % takes about {offered * repeats}."
-        + (f" {percent}" if tolerated * _TIMES_FINER < found.relative else "")
+    note = messages.FINE_TOLERANCE(
+        target=target.name,
+        recorded=one,
+        scatter=number(100 * found.relative, 2),
+        tolerance=f"{target.tolerance:.4g} {target.unit}".rstrip(),
+        share=number(100 * tolerated, 2),
+        runs=in_words(runs),
+        undecided=math.ceil(10 * undecided),
+        budget=budget,
+        wide=number(100 * wide, 2),
+        offered=offered * repeats,
     )
+    may_be_percent = tolerated * _TIMES_FINER < found.relative
+    return f"{note} {messages.MEANT_AS_PERCENTAGE()}" if may_be_percent else note

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grainfit.bulk_tests.time_steps import least_stable, safe_time_step_fraction
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.errors import InputError
@@ -24,8 +25,5 @@ def large_time_step(context: FileContext) -> Iterator[Found]:
         if fraction > safe:
             yield (
                 context.key(name, "time_step_fraction"),
-                f"Test {name}: a time step of {fraction:.3g} of the Rayleigh time step is more "
-                f"than the {safe:.2g} that is safe with this contact law, restitution and "
-                "stiffness. Beds may never come to rest, or come to rest up to 16 % too dense "
-                "without any error.",
+                messages.LARGE_TIME_STEP(test=name, fraction=fraction, safe=safe),
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.formatting import percent
@@ -31,16 +32,14 @@ def near_spheres(context: FileContext) -> Iterator[Found]:
     share = _share_of_time_step(shape, lowest)
     if share >= _SLOW:
         return
-    jump = ""
-    if lowest < _NEARLY_A_SPHERE:
-        jump = "Clumps are stiffer than spheres, so soft particles respond otherwise than at 1. "
-    yield (
-        ASPECT_RATIO,
-        f"{ASPECT_RATIO} is {lowest:g}{' and more' if is_free else ''}: there, "
-        f"spheres of the shape {shape.family} nearly coincide and touch at once. {jump}Time steps "
-        f"are {percent(share)} of what their smallest sphere allows; larger aspect ratios are "
-        "faster (docs/clumps.md).",
+    found = messages.NEAR_SPHERES(
+        key=ASPECT_RATIO,
+        lowest=f"{lowest:g}{' and more' if is_free else ''}",
+        family=shape.family,
+        jump=f"{messages.STIFFER_THAN_SPHERES()} " if lowest < _NEARLY_A_SPHERE else "",
+        share=percent(share),
     )
+    yield ASPECT_RATIO, found
 
 
 def _share_of_time_step(shape: ParticleShape, aspect_ratio: float) -> float:

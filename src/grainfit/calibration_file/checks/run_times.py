@@ -13,6 +13,7 @@ from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.size import TWIN, twin_of
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.bulk_tests.time_steps import with_safe_time_step
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import is_load_dependent
@@ -34,12 +35,10 @@ def short_timeout(context: FileContext) -> Iterator[Found]:
     for test, limit in context.file.timeouts.items():
         seconds = context.costs.get(test)
         if seconds is not None and limit < seconds:
-            yield (
-                context.key(test, "timeout"),
-                f"Test {test}: timeout = {duration(limit)}, but a run takes about "
-                f"{duration(seconds)} and would be stopped before its end. Leave timeout out, or "
-                "give several times as much.",
+            found = messages.SHORT_TIMEOUT(
+                test=test, limit=duration(limit), seconds=duration(seconds)
             )
+            yield context.key(test, "timeout"), found
 
 
 @check("mpi-ranks", "warning")
@@ -52,9 +51,12 @@ def mpi_ranks(context: FileContext) -> Iterator[Found]:
     if workers * file.ranks > file.cores:
         yield (
             "",
-            f"{counted(workers, 'run')} at a time with {file.ranks} MPI ranks each take "
-            f"{workers * file.ranks} cores, and there are {file.cores}: ranks then wait for each "
-            "other, and a run takes many times as long. Use fewer workers, or ranks = 1.",
+            messages.MORE_RANKS_THAN_CORES(
+                runs=counted(workers, "run"),
+                ranks=file.ranks,
+                needed=workers * file.ranks,
+                cores=file.cores,
+            ),
         )
     elif time is not None:
         gains = {t.name: gain_of_ranks(int(t.options.get("ranks", 1))) for t in file.tests}
@@ -63,9 +65,13 @@ def mpi_ranks(context: FileContext) -> Iterator[Found]:
         if alone.seconds[1] <= _WORTH_IT * time.seconds[1]:
             yield (
                 "",
-                f"With {file.ranks} MPI ranks a run and {counted(workers, 'run')} at a time, the "
-                f"calibration takes {time}; with ranks = 1 and {counted(file.cores, 'run')} at a "
-                f"time, {alone}. Ranks pay where one run alone is waited for.",
+                messages.RANKS_DO_NOT_PAY(
+                    ranks=file.ranks,
+                    runs=counted(workers, "run"),
+                    time=time,
+                    more=counted(file.cores, "run"),
+                    alone=alone,
+                ),
             )
 
 
@@ -80,13 +86,11 @@ def long_calibration(context: FileContext) -> Iterator[Found]:
     for change, seconds in (found for offer in offers for found in offer(context)):
         faster = replace(time, costs={**time.costs, **seconds})
         if faster.seconds[1] <= _WORTH_IT * time.seconds[1]:
-            shorter.append(f"with {change}, it would take {faster}")
-    remedy = (
-        f"Shorter: {'; '.join(shorter)}."
-        if shorter
-        else "More workers shorten it: a computer with more cores, or a cluster (docs/clusters.md)."
-    )
-    yield "", f"The calibration takes {time}. {remedy}"
+            shorter.append(messages.WOULD_TAKE(change=change, time=faster))
+    if shorter:
+        yield "", messages.LONG_BUT_SHORTER(time=time, ways="; ".join(shorter))
+    else:
+        yield "", messages.LONG(time=time)
 
 
 def _usual_size(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
@@ -100,11 +104,9 @@ def _usual_size(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]
             continue
         if seconds > _WORTH_IT * context.costs[name]:
             continue
-        words = (
-            f"the usual dimensions of the {test.type} test ({usual.number_of_particles} "
-            f"particles), measured in an apparatus of that size"
-        )
-        yield words + _moved(context, {name: usual.number_of_particles}), {name: seconds}
+        count = usual.number_of_particles
+        offer = messages.USUAL_DIMENSIONS(type=test.type, count=count)
+        yield offer + _moved(context, {name: count}), {name: seconds}
 
 
 def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
@@ -134,11 +136,8 @@ def _softer(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
         }
     except InputError:
         return
-    words = (
-        f"{MODULUS} = {number(needed / 1e6, 2)} MPa, whose overlaps add "
-        f"{100 * _TOLERATED_EXCESS:.0f} % to bulk densities"
-    )
-    yield words, seconds
+    softer = number(needed / 1e6, 2)
+    yield messages.SOFTER(key=MODULUS, modulus=softer, percent=100 * _TOLERATED_EXCESS), seconds
 
 
 def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
@@ -155,12 +154,9 @@ def _coarser(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
             return
         seconds[name] = cost.wall_seconds
     if seconds:
-        words = (
-            f"{factor_words(coarser)}, fewer and larger particles in the same apparatus "
-            "(docs/coarse_graining.md)"
-        )
+        offer = messages.COARSER(factor=factor_words(coarser))
         fewer = {name: test.number_of_particles for name, test in coarser.items()}
-        yield words + _moved(context, fewer), seconds
+        yield offer + _moved(context, fewer), seconds
 
 
 def _twin(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
@@ -171,11 +167,8 @@ def _twin(context: FileContext) -> Iterator[tuple[str, Mapping[str, float]]]:
             cost = solver.estimate_cost_of(twin, _material(context, solver))
             seconds[name] = cost.wall_seconds
     if seconds:
-        words = (
-            f"smaller apparatus that hold {TWIN} particles (strategy.twins = {TWIN} searches in "
-            "them and predicts the real ones: one run of each, and a series of sizes, come on top)"
-        )
-        yield words + _moved(context, dict.fromkeys(seconds, TWIN)), seconds
+        offer = messages.WITH_TWINS(count=TWIN)
+        yield offer + _moved(context, dict.fromkeys(seconds, TWIN)), seconds
 
 
 def _moved(context: FileContext, particles: Mapping[str, float]) -> str:

@@ -8,6 +8,7 @@ from math import ceil, floor, log10
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import COHESION
@@ -56,25 +57,26 @@ def _note(target: Target, test: BulkTest, ends: Mapping[str, tuple[float, float]
     is_dense = (target.value - target.tolerance) / (heaviest * most) > _DENSEST
     is_loose = (target.value + target.tolerance) / lightest < _LOOSEST
     if is_dense and max(diameters) <= _NEARLY_EQUAL * min(diameters):
-        fraction, words = target.value / (heaviest * most), f"above {_DENSEST:.2f}, the densest"
+        fraction, limit = target.value / (heaviest * most), messages.DENSEST(limit=_DENSEST)
     elif is_loose and not _is_cohesive(ends):
-        fraction, words = target.value / lightest, f"below {_LOOSEST:.2f}, looser than any"
+        fraction, limit = target.value / lightest, messages.LOOSEST(limit=_LOOSEST)
     else:
         return
     is_free = lightest < heaviest
     within = "even the " + ("heaviest" if is_dense else "lightest") if is_free else "the given"
     proposed = tuple(target.value / (share * most) for share in reversed(_USUAL))
     low, high = _rounded(proposed[0], up=False), _rounded(proposed[1], up=True)
-    remedy = (
-        f"{DENSITY} is that of the solid, not of the bulk. Poured beds have {_USUAL[0]:g} to "
-        f'{_USUAL[1]:g}: density = {{ min = "{low:g} kg/m^3", max = "{high:g} kg/m^3" }}.'
-        if _LOOSEST / _OTHER_UNIT < fraction < _DENSEST * _OTHER_UNIT
-        else 'One of them seems to be in another unit: write it with its unit, as "1.5 g/cm^3".'
-    )
-    yield (
-        f"{target.name} = {target.value:g} kg/m^3 is out of reach: with {within} particles, of "
-        f"{(heaviest if is_dense else lightest):g} kg/m^3, the bed would have a solid fraction of "
-        f"{number(fraction, 2)}, {words} packing of spheres. {remedy}"
+    is_possible = _LOOSEST / _OTHER_UNIT < fraction < _DENSEST * _OTHER_UNIT
+    yield messages.IMPOSSIBLE_BULK_DENSITY(
+        target=target.name,
+        value=target.value,
+        within=within,
+        density=heaviest if is_dense else lightest,
+        fraction=number(fraction, 2),
+        limit=limit,
+        remedy=messages.USUAL_DENSITY(key=DENSITY, usual=_USUAL, low=low, high=high)
+        if is_possible
+        else messages.ANOTHER_UNIT(),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.formatting import counted
@@ -18,15 +19,6 @@ def too_few_targets(context: FileContext) -> Iterator[Found]:
         return
     targets = counted(measured, "target")
     if problem.curves:
-        yield (
-            "",
-            f"{free} free parameters and {targets}, curves included. A curve can determine "
-            "several parameters if its shape depends on them: the intervals of the result will "
-            "show how many.",
-        )
-        return
-    yield (
-        "",
-        f"{free} free parameters and {targets}: many parameter sets will fit equally well. Fix a "
-        "parameter or measure another response.",
-    )
+        yield "", messages.FEW_TARGETS_WITH_CURVES(free=free, targets=targets)
+    else:
+        yield "", messages.FEW_TARGETS(free=free, targets=targets)
