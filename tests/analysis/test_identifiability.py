@@ -113,7 +113,7 @@ def test_what_is_not_determined_comes_before_what_is(random: np.random.Generator
     )
     modulus, rolling, density, own = found.verdicts
     assert modulus == (
-        "particle.youngs_modulus is not determined: all of its interval (1·10⁶ to 1·10⁸ Pa) fits."
+        "particle.youngs_modulus is not determined: 1·10⁶ to 1·10⁸ Pa with 95 % probability."
     )
     assert rolling.startswith("particle_particle.rolling_friction is only narrowed: 0.")
     # Percent of next to nothing would look like a lot.

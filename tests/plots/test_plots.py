@@ -8,15 +8,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
 import pytest
 
 import grainfit as gf
 from grainfit.analysis.analysis import Analysis
 from grainfit.errors import InputError
-from grainfit.plots import messages
+from grainfit.plots import convergence_figures, messages
 from grainfit.plots.arrange import arrange, in_columns
+from grainfit.plots.expectation import Expectation
 from grainfit.plots.figure import Figure
+from grainfit.plots.posterior_figures import posterior_figures
 from grainfit.report.page import render_page
 from grainfit.report.section import ReportContext
 
@@ -124,6 +127,29 @@ def test_figures_hold_the_data_of_the_page(saved: gf.OpenedCalibration) -> None:
         # The page has six digits of each number.
         expected = pytest.approx(sorted(map(_first_number, shown)), rel=1e-5)
         assert sorted(map(_first_number, drawn)) == expected
+
+
+def test_a_density_is_drawn_where_it_is_and_a_line_stays_within_its_axes(
+    saved: gf.OpenedCalibration,
+) -> None:
+    found = saved.analyse()
+    assert found.posterior is not None
+    density = posterior_figures(
+        saved, found.posterior, found.identifiability, found.intervals
+    ).marginals[0]
+    heights = np.array(density.data[0]["y"])
+    assert np.count_nonzero(heights > 0.01) > 15
+    low, high = density.layout["xaxis"]["range"]
+    interval = found.intervals["particle.density"]
+    assert 1400 < low < interval.low < interval.high < high < 2800
+
+    # A line that is far from every run.
+    expected = [Expectation(runs, np.full(3, 1e4), np.ones(3)) for runs in (10, 20)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(convergence_figures, "expectations_at_answer", lambda _: expected)
+        figures = convergence_figures.convergence_figures(saved)
+    assert figures["0"].layout["yaxis"]["range"][1] > 1e4
+    assert 10 ** figures["misfit"].layout["yaxis"]["range"][1] > (1e4 - 30.0) / 0.5
 
 
 def _first_number(trace: dict[str, Any]) -> float:

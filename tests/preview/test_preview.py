@@ -21,6 +21,7 @@ from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.starter import starter_file
 from grainfit.cli.app import app
 from grainfit.errors import InputError
+from grainfit.formatting import millimetres
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.preview import messages
 from grainfit.preview.geometry import feature_edges, geometry_of
@@ -160,7 +161,7 @@ def test_a_shape_and_a_motion_of_the_future_are_named_with_their_values() -> Non
     assert wall_text(known.walls["star"]) == "star: points 5"
     assert motion_text(Turning(2.5)) == "turning: turns 2.5, along y"
     turns = motion_text(Rotation("y", 0.5))
-    assert turns == "turns at 0.5 rad/s about y"
+    assert turns == "turns at 4.77 rpm about the y axis"
     moving = Stage("turn", Elapsed(2.0), motions={"floor": Turning(2.5)})  # type: ignore[dict-item]
     assert stage_text(moving) == "floor turning: turns 2.5, along y; for 2 s"
     (floor,) = geometry_of(replace(known, stages=(moving,))).walls
@@ -200,6 +201,11 @@ def test_every_test_of_the_bench_has_a_preview(tmp_path: Path, name: str) -> Non
         np.testing.assert_allclose(placed, body.positions, atol=0.002)
     for body_name in found.scene.glued:
         assert f"<strong>{body_name}</strong>" in text
+    lines = data["test-1"]["dimensions"]
+    shown = {words for _, _, words in lines}
+    for wall in found.scene.all_walls().values():
+        if isinstance(wall.shape, Cylinder):
+            assert f"⌀ {millimetres(2 * wall.shape.radius)}" in shown
     walls = data["test-1"]["walls"]
     assert len(walls) == len(found.geometry.walls)
     for wall, drawn in zip(walls, found.geometry.walls, strict=True):
@@ -224,7 +230,7 @@ def test_the_command_writes_page_and_picture_of_a_scene_of_the_user(
         assert image.size[0] > 800
         assert len(image.getcolors(10**7) or ()) > 500
     text = (tmp_path / "calibration.preview.html").read_text()
-    assert "blade moves at 0.1 m/s along x" in text
+    assert "blade moves along x at 100 mm/s" in text
     assert not re.search(r"https?://", text)
 
 

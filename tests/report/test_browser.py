@@ -56,6 +56,7 @@ LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
 #: Normal text on its background, by the Web Content Accessibility Guidelines.
 CONTRAST = 4.5
+UNFOLD = "document.querySelectorAll('section > details').forEach((one) => { one.open = true; })"
 MEGABYTE = 1_000_000
 
 #: All that is read on the page: its text as it is seen, and that of the figures.
@@ -229,6 +230,7 @@ def comes_true(page: Page, condition: str) -> bool:
 def usual(browser: Browser, report: Callable[[str], Report]) -> Iterator[Opened]:
     """Open the report of the usual calibration, for tests that leave it as it was."""
     with opened(browser, report("two_parameters").path) as found:
+        found.page.evaluate(UNFOLD)
         yield found
 
 
@@ -386,6 +388,7 @@ def test_the_keyboard_reaches_what_the_mouse_does(
         assert page.evaluate(f"{focus}.innerText") == "Skip to the answer"
         page.keyboard.press("Enter")
         assert page.evaluate("location.hash") == "#answer"
+        page.evaluate(UNFOLD)
         for _ in range(100):
             page.keyboard.press("Tab")
             if page.evaluate(f"{focus}.type") == "range":
@@ -402,6 +405,7 @@ def test_the_arrow_keys_go_from_run_to_run(
 ) -> None:
     with opened(browser, report("two_parameters").path) as found:
         page = found.page
+        page.evaluate(UNFOLD)
         links = page.locator("#runs-table tbody a")
         links.nth(0).focus()
         page.keyboard.press("ArrowDown")
@@ -424,6 +428,26 @@ def test_a_mark_leads_to_its_run(browser: Browser, report: Callable[[str], Repor
         )
         assert comes_true(page, "location.hash === '#run-3'")
         assert page.locator("#run-3").is_visible()
+
+
+def test_a_link_unfolds_its_section_and_figures_are_drawn_without_scrolling(
+    browser: Browser, report: Callable[[str], Report]
+) -> None:
+    drawn = "place => place.querySelector('.main-svg') !== null"
+    with opened(browser, report("two_parameters").path) as found:
+        page = found.page
+        assert page.evaluate("document.documentElement.scrollHeight") < 3000
+        page.set_viewport_size(PHONE)
+        assert page.evaluate("document.documentElement.scrollHeight") < 5000
+        page.set_viewport_size(LAPTOP)
+        figures = page.locator("#convergence .figure")
+        assert not figures.first.is_visible()
+        page.locator(".contents a[href='#convergence']").click()
+        figures.last.wait_for(state="visible")
+        assert comes_true(page, f"[...document.querySelectorAll('#convergence .figure')].every({drawn})")
+        page.evaluate("location.hash = '#run-3'")
+        page.locator("#run-3").wait_for(state="visible")
+        assert found.faults == []
 
 
 def test_two_parameters_print_on_few_pages_with_a_surface_of_each_response(

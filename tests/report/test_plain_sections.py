@@ -222,12 +222,11 @@ def test_the_answer_has_verdict_values_intervals_and_cost() -> None:
     for words in (
         messages.CALIBRATED(),
         RESULT.sureness,
-        "Particle density of the solid determined to ±1.4 %; particle-particle rolling friction "
-        "coefficient only narrowed, 0.48 to 0.571.",
-        "particle-particle rolling friction coefficient 0.520 ! narrowed 0.480 … 0.571",
-        "ρ p kg/m³ particle density of the solid 2309 ✓ determined 2280 … 2341",
+        messages.DETERMINATIONS(parameters="2 parameters", parts="1 determined, 1 narrowed"),
+        "particle-particle rolling friction coefficient 0.520 ! narrowed 0.48 to 0.571",
+        "ρ p kg/m³ particle density of the solid 2309 ✓ determined 2280 to 2340",
         "✓ met 1500 ± 15 1501.8 ± 1.5 +0.12 % 1503.0 ± 1.9",
-        "✓ met 22 ± 0.5 21.90 ± 0.22 −0.45 % 21.93 ± 0.54",
+        "✓ met 22.00 ± 0.50 21.90 ± 0.22 −0.45 % 21.93 ± 0.54",
         "2.153 ms , 1.05 times that of the middle of the intervals (2.054 ms)",
         "40 = 5 design + 11 optimisation + 24 verification; 1 failed, 2 reused, warm start from 3",
         "2 min 00 s since it was started last",
@@ -298,7 +297,7 @@ def test_an_undecided_answer_says_what_is_in_doubt_how_likely_it_is_met_and_why(
     # The reasons say what to do.
     assert "<i>look</i>" in top
     assert shown.count("<i>look</i>") == 1
-    assert "! in doubt 22 ± 0.5 21.60 ± 0.22" in shown
+    assert "! in doubt 22.00 ± 0.50 21.60 ± 0.22" in shown
     assert "✓ met 1500 ± 15" in shown
     both = replace(
         undecided.reading.result,
@@ -331,8 +330,8 @@ def test_reasons_stand_beside_the_verdict_and_say_the_probability_once(
 def test_the_expected_response_is_that_of_all_runs_with_fresh_seeds_and_without() -> None:
     shown = text(answer(context()))
     without = text(answer(context(result=without_fresh_seeds())))
-    assert "22 ± 0.5 21.90 ± 0.22 −0.45 % 21.93 ± 0.54" in shown
-    assert "22 ± 0.5 21.90 ± 0.22 −0.45 %" in without
+    assert "22.00 ± 0.50 21.90 ± 0.22 −0.45 % 21.93 ± 0.54" in shown
+    assert "22.00 ± 0.50 21.90 ± 0.22 −0.45 %" in without
     assert "Fresh seeds" not in without
 
 
@@ -361,7 +360,7 @@ def test_an_interval_over_orders_of_magnitude_has_two_ends() -> None:
     found = answer(
         context(result=result, problem=problem, evaluations=(), units={}, analysis=analysis)
     )
-    assert "3.04·10⁶ ✓ determined 1.31·10⁵ … 8.4·10⁷" in text(found)
+    assert "3.04·10⁶ ✓ determined 1.31·10⁵ to 8.4·10⁷" in text(found)
 
 
 def test_where_nothing_agrees_there_is_no_interval() -> None:
@@ -472,6 +471,7 @@ def test_the_corners_stand_side_by_side_in_three_dimensions(
     with chromium.browser() as browser:
         page = browser.new_page(viewport={"width": 1366, "height": 900})
         page.goto(path.as_uri())
+        page.evaluate("document.querySelector('details').open = true")
         silhouettes, canvases = page.locator(".strip .silhouette"), page.locator(".strip canvas")
         button = page.get_by_role("button", name="in 3-D")
         assert silhouettes.count() == canvases.count() == 3

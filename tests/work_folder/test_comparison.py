@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import needs
 import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from benchmarks import chromium
+from benchmarks.axe import violations
 from grainfit.cli.app import app
 from grainfit.errors import InputError
 from grainfit.tables import TextTable
@@ -36,7 +40,7 @@ def three(tmp_path_factory: pytest.TempPathFactory) -> list[SavedCalibration]:
 
 
 def rows(saved: list[SavedCalibration], number: int) -> dict[str, tuple[str, ...]]:
-    table = [part for part in compare(saved) if isinstance(part, TextTable)][number]
+    table = [part for part in compare(saved).parts() if isinstance(part, TextTable)][number]
     return {name: tuple(cells) for name, *cells in table.rows}
 
 
@@ -62,6 +66,34 @@ def test_comparison_says_that_a_calibration_has_no_answer_yet(
             compare([SavedCalibration.open(three[0].folder), three[1]])
     finally:
         (three[0].folder / "kept.json").rename(three[0].folder / "result.json")
+
+
+@needs.CHROMIUM
+def test_compare_command_writes_a_page_and_a_document(
+    three: list[SavedCalibration], tmp_path: Path
+) -> None:
+    page = tmp_path / "compared.html"
+    folders = [str(three[0].folder), str(three[2].folder)]
+    done = CliRunner().invoke(app, ["compare", *folders, "-o", str(page), "--json"])
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    (friction,) = found["parameters"]
+    assert friction["verdict"] == "differ"
+    assert friction["values"][0]["high"] < friction["values"][1]["low"]
+    with chromium.browser() as browser:
+        shown = browser.new_page(viewport={"width": 390, "height": 800})
+        faults: list[str] = []
+        shown.on("console", lambda message: faults.append(message.text))
+        shown.on("pageerror", lambda error: faults.append(str(error)))
+        shown.goto(page.as_uri())
+        assert violations(shown) == []
+        first, second = (bar.bounding_box() for bar in shown.locator(".range-credible").all()[:2])
+        assert first is not None
+        assert second is not None
+        assert first["x"] + first["width"] < second["x"]
+        assert shown.get_by_text("differ", exact=False).count() >= 2
+        assert shown.evaluate("document.documentElement.scrollWidth") <= 390
+        assert faults == []
 
 
 def test_compare_command_shows_folders_by_their_names(three: list[SavedCalibration]) -> None:

@@ -255,7 +255,8 @@ def _verdict(
     if parameter.measured is not None:
         return f"{name} is known from its own measurement: {between} with 95 % probability."
     if found.determination == "not determined":
-        return f"{name} is not determined: {_what_fits(posterior, parameter)} fits."
+        fits = _parts_that_fit(posterior, parameter) or f"{between} with 95 % probability"
+        return f"{name} is not determined: {fits}."
     bound = bound_reached(parameter, found)
     but = f", up to its bound {bound}" if bound else ""
     but += f", but biased: {found.bias}" if found.bias else ""
@@ -267,13 +268,11 @@ def _verdict(
     return f"{name} is determined: {between} with 95 % probability{but}."
 
 
-def _what_fits(posterior: Posterior, parameter: Parameter) -> str:
+def _parts_that_fit(posterior: Posterior, parameter: Parameter) -> str:
+    """Return the ranges of a parameter that fit, where there are several."""
     ranges = _occupied(posterior, parameter)
-    if len(ranges) > 1:
-        parts = " or ".join(f"{_shown(low)} to {_shown(high)}" for low, high in ranges)
-        return _with_unit(parts, parameter)
-    whole = f"{_shown(parameter.minimum)} to {_shown(parameter.maximum)}"
-    return f"all of its interval ({_with_unit(whole, parameter)})"
+    parts = " or ".join(f"{_shown(low)} to {_shown(high)}" for low, high in ranges)
+    return f"{_with_unit(parts, parameter)} fits" if len(ranges) > 1 else ""
 
 
 def _occupied(posterior: Posterior, parameter: Parameter) -> list[tuple[float, float]]:

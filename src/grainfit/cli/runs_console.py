@@ -71,7 +71,7 @@ def _columns_that_fit(
     responses = [
         name
         for name in runs.responses.values()
-        if any(v is not None for v in selected.values[name])
+        if any(v is not None for v in shown.values[name])
     ]
     left_out: list[str] = []
     while (varied or responses) and _width(first + varied + responses, shown, last) > width:

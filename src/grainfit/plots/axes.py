@@ -15,22 +15,28 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 _ROUNDING = 1e-9
 
 
-def parameter_axis(saved: SavedCalibration, parameter: Parameter) -> Mapping[str, Any]:
-    """Return the axis of a parameter over its interval, as a layout of Plotly."""
+def parameter_axis(
+    saved: SavedCalibration, parameter: Parameter, shown: tuple[float, float] = (0.0, 1.0)
+) -> Mapping[str, Any]:
+    """Return the axis of a parameter over its interval, or a part of it, as a layout of Plotly.
+
+    The part that is shown is given in the unit cube.
+    """
+    minimum, maximum = map(parameter.from_unit, shown)
     common = {
         "title": {"text": label_of_parameter(saved, parameter.name).axis},
         "zeroline": False,
         "ticklabeloverflow": "allow",
     }
     if parameter.scale == "linear":
-        return {**common, "range": [parameter.minimum, parameter.maximum], "nticks": 5}
-    low, high = math.log10(parameter.minimum), math.log10(parameter.maximum)
+        return {**common, "range": [minimum, maximum], "nticks": 5}
+    low, high = math.log10(minimum), math.log10(maximum)
     powers = range(math.floor(low), math.floor(high + _ROUNDING) + 1)
     factors = (1, 2, 5) if high - low < 2 else (1,)
     ticks = [float(f"{factor}e{power}") for power in powers for factor in factors]
     ticks = [t for t in ticks if low - _ROUNDING <= math.log10(t) <= high + _ROUNDING]
     if len(ticks) < 2:
-        ticks = [parameter.minimum, parameter.maximum]
+        ticks = [minimum, maximum]
     return {
         **common,
         "type": "log",

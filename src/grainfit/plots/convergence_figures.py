@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import plain, with_unit
+from grainfit.formatting import plain, plain_interval, with_unit
 from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
@@ -79,12 +79,14 @@ def _misfit_figure(saved: SavedCalibration, expected: Sequence[Expectation]) -> 
     evaluations = reduction.evaluations(saved.evaluations)
     found = [deviation_in_tolerances(reduction.problem, evaluation) for evaluation in evaluations]
     drawn = [None if value is None else max(value, _SMALLEST) for value in found]
+    line = list(_expected_misfit(saved.problem, expected))
     traces = [
         *_points_by_stage(evaluations, drawn, "%{y:.3g} × tolerance"),
-        *_expected_misfit(saved.problem, expected),
+        *line,
         _failures(evaluations, drawn, [True] * len(evaluations)),
     ]
     known = [value for value in drawn if value is not None] or [1.0]
+    known += [value for trace in line for value in trace["y"]]
     low, high = np.log10(min(*known, 1.0)), np.log10(max(*known, 1.0))
     layout = {
         "xaxis": _run_axis(len(evaluations)),
@@ -150,6 +152,7 @@ def _response_figure(
         _failures(evaluations, values, [_is_asked(saved.problem, e, target) for e in evaluations]),
     ]
     known = [value for value in values if value is not None]
+    known += [float(one.means[index]) for one in expected]
     layout = {
         "xaxis": _run_axis(len(evaluations)),
         "yaxis": {"title": {"text": label.axis}, "range": value_range(target, known)},
@@ -160,7 +163,7 @@ def _response_figure(
         f"{label.words} of each run over the number of the run, with the measured value "
         f"{target.value:g} and its tolerance of {target.tolerance:g} as a band."
     )
-    measured = f"{target.value:g} ± {target.tolerance:g}"
+    measured = plain_interval(target.value, target.tolerance)
     title = f"{label.plot}, measured {with_unit(measured, escape(label.unit))}"
     return Figure(tuple(traces), layout, words, height=320, title=title)
 

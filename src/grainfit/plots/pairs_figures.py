@@ -14,6 +14,7 @@ from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.axes import parameter_axis
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_parameter
+from grainfit.plots.posterior_figures import shown_part
 from grainfit.plots.style import BLUE, VERMILION
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -85,8 +86,8 @@ def _pair(saved: SavedCalibration, posterior: Posterior, across: int, up: int) -
     return Figure(
         data=(cloud, star) if answer else (cloud,),
         layout={
-            "xaxis": parameter_axis(saved, of[names[0]]),
-            "yaxis": parameter_axis(saved, of[names[1]]),
+            "xaxis": parameter_axis(saved, of[names[0]], shown_part(posterior, across)),
+            "yaxis": parameter_axis(saved, of[names[1]], shown_part(posterior, up)),
             "showlegend": False,
             "margin": {"l": 48, "r": 16, "t": 8, "b": 40},
         },

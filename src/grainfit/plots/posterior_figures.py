@@ -232,11 +232,12 @@ def _marginal_figure(
     saved: SavedCalibration, posterior: Posterior, index: int, between: str
 ) -> Figure:
     parameter = next(p for p in saved.problem.parameters if p.name == posterior.names[index])
-    counts, edges = np.histogram(posterior.points[:, index], bins=_BINS, range=(0.0, 1.0))
+    low, high = shown_part(posterior, index)
+    counts, edges = np.histogram(posterior.points[:, index], bins=_BINS, range=(low, high))
     values = [parameter.from_unit(float(edge)) for edge in edges]
     heights = (counts / counts.max()).tolist()
     layout: dict[str, Any] = {
-        "xaxis": parameter_axis(saved, parameter),
+        "xaxis": parameter_axis(saved, parameter, (low, high)),
         "yaxis": {"range": [0, 1.08], "showticklabels": False, "ticks": "", "showgrid": False},
         "showlegend": False,
         "margin": {"l": 20, "r": 20, "t": 6, "b": 40},
@@ -264,6 +265,13 @@ def _marginal_figure(
         height=170,
         title=f"95 % from {between}",
     )
+
+
+def shown_part(posterior: Posterior, index: int) -> tuple[float, float]:
+    """Return the part of a parameter's interval that has the distribution, with some room."""
+    low, high = np.quantile(posterior.points[:, index], (0.001, 0.999))
+    room = max(0.15 * (high - low), 0.005)
+    return max(float(low) - room, 0.0), min(float(high) + room, 1.0)
 
 
 def _line_at(value: float) -> Mapping[str, Any]:

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from grainfit.formatting import assigned, counted, in_a_row, plain
-from grainfit.preview.geometry import Geometry, State
+from grainfit.formatting import assigned, counted, in_a_row, millimetres, plain
+from grainfit.preview.geometry import Array, State
 from grainfit.preview.previewed_test import PreviewedTest
 from grainfit.preview.scene_picture import COLOURS
 from grainfit.preview.scene_text import box_text, stage_text, wall_text
 from grainfit.report.drawing_data import DrawingScale
 from grainfit.report.package_page import package_page
 from grainfit.report.rendering import script_json
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Prism
 
 #: Particles above this number are left out of the drawing, evenly.
 _MOST_PARTICLES = 20_000
@@ -34,7 +35,7 @@ def preview_page(
         name=plain(name),
         values=in_a_row(assigned(values, units)),
         tests=[_described(key, test) for key, test in keyed.items()],
-        data=script_json({key: _scene(test.geometry) for key, test in keyed.items()}),
+        data=script_json({key: _scene(test) for key, test in keyed.items()}),
     )
 
 
@@ -66,8 +67,9 @@ def _walls(test: PreviewedTest) -> Iterator[tuple[str, str]]:
         yield name, f"{plain(wall_text(wall))}{drawn}"
 
 
-def _scene(geometry: Geometry) -> dict[str, Any]:
+def _scene(test: PreviewedTest) -> dict[str, Any]:
     """Return the data of the drawing in three dimensions."""
+    geometry = test.geometry
     scale = DrawingScale.of(geometry.corners)
     table = np.column_stack([geometry.positions, geometry.radii])
     every = -(-len(table) // (_MOST_PARTICLES * geometry.each))
@@ -78,5 +80,44 @@ def _scene(geometry: Geometry) -> dict[str, Any]:
         "outlines": scale.outlines(edge for wall in walls for edge in wall.edges),
         "walls": [scale.wall(wall.triangles, COLOURS[wall.state]) for wall in walls],
         "glued": [scale.glued(b.positions, b.radii, COLOURS[b.state]) for b in glued],
+        "dimensions": [[*scale.listed(line), words] for words, line in _dimensions(test)],
         "arrows": [[*scale.listed(arrow), COLOURS["moving"]] for arrow in geometry.arrows],
     }
+
+
+def _dimensions(test: PreviewedTest) -> Iterator[tuple[str, Array]]:
+    """Yield the dimensions of walls in words, each once, with a line beside the wall, m."""
+    shapes = {name: wall.shape for name, wall in test.scene.all_walls().items()}
+    told = set()
+    for wall in test.geometry.walls:
+        corners = wall.triangles.reshape(-1, 3)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        for axis, length, sign in _lengths(shapes[wall.name]):
+            words = f"{sign}{millimetres(length)}"
+            is_tube = isinstance(shapes[wall.name], Cylinder | Cone)
+            front = (low[1] + high[1]) / 2 if is_tube and axis != 1 else low[1]
+            start = np.array([high[0] if axis else low[0], front, low[2] if axis == 2 else high[2]])
+            end = start.copy()
+            end[axis] = high[axis]
+            if words not in told:
+                told.add(words)
+                yield words, np.array([start, end])
+
+
+def _lengths(shape: object) -> Iterator[tuple[int, float, str]]:
+    """Yield the dimensions of a shape: axis, length, and a sign for diameters."""
+    match shape:
+        case Cylinder():
+            yield 0, 2 * shape.radius, "⌀ "
+            yield "xyz".index(shape.axis), shape.top - shape.bottom, ""
+        case Cone():
+            yield 0, 2 * max(shape.lower_radius, shape.upper_radius), "⌀ "
+            yield 2, shape.top - shape.bottom, ""
+        case Disc():
+            yield 0, 2 * shape.radius, "⌀ "
+        case Annulus():
+            yield 0, 2 * shape.outer_radius, "⌀ "
+        case Block() | Prism():
+            sides = np.subtract(shape.high, shape.low)
+            axis = int(sides.argmax())
+            yield axis, float(sides[axis]), ""

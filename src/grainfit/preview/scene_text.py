@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
+from math import pi
 from typing import Any
 
 from grainfit.formatting import in_a_row, number
@@ -46,22 +47,37 @@ _SHAPES: Mapping[type, Callable[[Any], str]] = {
     Mesh: _mesh,
 }
 _MOTIONS: Mapping[type, Callable[[Any], str]] = {
-    Velocity: lambda m: f"moves at {number(m.speed, 3)} m/s along {m.along}",
+    Velocity: lambda m: f"moves {_way(m.speed, m.along)} at {_mm(abs(m.speed))}/s",
     Load: lambda m: (
-        f"presses with {number(m.force, 3)} N along {m.along}, at most {number(m.largest_speed, 3)}"
-        " m/s" + _across(m)
+        f"presses {_way(m.force, m.along)} with {number(abs(m.force), 3)} N{_across(m)} "
+        f"(no faster than {_mm(m.largest_speed)}/s)"
     ),
-    Rotation: lambda m: f"turns at {number(m.speed, 3)} rad/s about {m.along}",
+    Rotation: lambda m: (
+        f"turns at {number(60 * abs(m.speed) / (2 * pi), 3)} rpm about the {m.along} axis"
+    ),
 }
 _ENDS: Mapping[type, Callable[[Any], str]] = {
-    AtRest: lambda u: f"until at rest, {_between(u.at_least, u.limit)}",
-    Clear: lambda u: f"until the {u.wall} is clear of particles at rest, at most {_s(u.limit)}",
+    AtRest: lambda u: f"until the particles rest ({_between(u.at_least, u.limit)})",
+    Clear: lambda u: (
+        f"until no particle touches the {_words(u.wall)} and they rest (at most {_s(u.limit)})"
+    ),
     Loaded: lambda u: (
-        f"until the load of the {u.wall} is held within {number(100 * u.within, 2)} % at rest, "
-        f"at most {_s(u.limit)}"
+        f"until the {_words(u.wall)} holds its load within {number(100 * u.within, 2)} % and the "
+        f"particles rest (at most {_s(u.limit)})"
     ),
     Elapsed: lambda u: f"for {_s(u.time)}",
 }
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _way(amount: float, along: str) -> str:
+    """Return a direction in words: upwards, downwards, or along an axis."""
+    if along == "z":
+        return "upwards" if amount > 0 else "downwards"
+    return f"along {along}" if amount > 0 else f"against {along}"
 
 
 def _across(load: Load) -> str:
@@ -74,7 +90,7 @@ def _s(time: float) -> str:
 
 
 def _between(least: float, most: float) -> str:
-    return f"after {_s(least)} to {_s(most)}" if least > 0 else f"within {_s(most)}"
+    return f"{_s(least)} to {_s(most)}" if least > 0 else f"at most {_s(most)}"
 
 
 def _text(table: Mapping[type, Callable[[Any], str]], thing: Any) -> str:
@@ -106,9 +122,9 @@ def stage_text(stage: Stage) -> str:
 
 def _changes(stage: Stage) -> Iterator[str]:
     if stage.take_away:
-        yield f"{in_a_row(stage.take_away)} taken away"
+        yield f"{in_a_row(map(_words, stage.take_away))} taken away"
     if stage.put:
-        yield f"{in_a_row(stage.put)} put"
+        yield f"{in_a_row(map(_words, stage.put))} put in place"
     if stage.strike_off is not None:
         yield f"particles above {_mm(stage.strike_off)} removed"
     if stage.sliding_friction is not None:
@@ -118,9 +134,10 @@ def _changes(stage: Stage) -> Iterator[str]:
 def _motions(stage: Stage) -> Iterator[str]:
     for name in stage.motions:
         for motion in stage.motions_of(name):
-            yield f"{name} {motion_text(motion)}"
+            yield f"{_words(name)} {motion_text(motion)}"
     if stage.series is not None:
-        yield f"{in_a_row(stage.series.columns)} recorded every {_s(stage.series.every)}"
+        recorded = in_a_row(map(_words, stage.series.columns))
+        yield f"{recorded} recorded every {number(1000 * stage.series.every, 2)} ms"
 
 
 def box_text(scene: Scene) -> str:

@@ -18,7 +18,7 @@ from grainfit.formatting import plain
 from grainfit.report import messages
 from grainfit.report.rendering import fill_template, script_json
 from grainfit.report.section import ReportContext, Section
-from grainfit.report.sections.registry import SECTIONS
+from grainfit.report.sections.registry import FOLDED, SECTIONS
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 REPORT_NAME = "report.html"
@@ -81,6 +81,7 @@ def render_page(context: ReportContext) -> str:
         written=datetime.now().astimezone().strftime("%d %B %Y, %H:%M"),
         version=version("grainfit"),
         sections=sections,
+        folded=[section.__name__ for section in FOLDED],
         styles=[element_text(text) for text in _parts("styles/report.css", "style.css")],
         scripts=[element_text(text) for text in _parts("scripts/page.js", "script.js")],
         figure_index=script_json(

@@ -6,7 +6,9 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from functools import cache
+from importlib.resources import files
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from jinja2 import BaseLoader, ChoiceLoader, Environment, PackageLoader, StrictUndefined
@@ -70,7 +72,7 @@ def _of_report() -> Environment:
 
 
 def environment(loader: BaseLoader) -> Environment:
-    """Return what fills in templates of pages, with the filters of the report."""
+    """Return what fills in templates of pages, with the filters of the report, and its `icon`."""
     made = Environment(
         loader=loader,
         undefined=StrictUndefined,
@@ -85,4 +87,6 @@ def environment(loader: BaseLoader) -> Environment:
         "plain": plain,
         "duration": duration,
     }
+    icon = (files("grainfit.report") / "icon.svg").read_text(encoding="utf-8").strip()
+    made.globals["icon"] = f"data:image/svg+xml,{quote(icon)}"
     return made

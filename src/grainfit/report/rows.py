@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Literal
 
-from grainfit.formatting import counted, number, rounded, unit_for_people
+from grainfit.formatting import counted, ends, number, rounded, unit_for_people
 from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
 from grainfit.problem import CurveTarget, Parameter, Target
@@ -67,14 +67,14 @@ def parameter_row(
     return ParameterRow(
         label,
         value=_shown(value, half_width, 3 if found else 4) if value is not None else "",
-        interval=" … ".join(_shown(end, half_width, 3) for end in interval) if interval else "",
+        interval=ends(*interval) if interval else "",
         determination=found.determination if found else "",
         bias=found.bias if found else "",
         position=None if value is None else _position(parameter, value),
         credible=(_position(parameter, interval[0]), _position(parameter, interval[1]))
         if interval
         else None,
-        searched=f"{number(parameter.minimum)} … {number(parameter.maximum)}",
+        searched=ends(parameter.minimum, parameter.maximum),
         measured=_measured(parameter),
     )
 
@@ -97,7 +97,8 @@ def _position(parameter: Parameter, value: float) -> float:
 
 def response_row(label: Label, target: Target, found: ResponseResult | None) -> ResponseRow:
     """Return the row of a response, with its result where there is one."""
-    measured, tolerance = number(target.value, 6), number(target.tolerance, 3)
+    measured = rounded(target.value, target.tolerance)
+    tolerance = rounded(target.tolerance, target.tolerance)
     if found is None:
         return ResponseRow(label, measured, tolerance)
     expected, half_width = found.expected

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
@@ -121,15 +122,23 @@ def _miss(words: str, response: ResponseResult) -> str:
 
 
 def _determinations(context: ReportContext) -> Iterator[str]:
-    """Say how well each parameter of the answer is determined."""
-    words = "; ".join(
-        f"{context.parameter_label(p.name).words} "
-        + context.intervals[p.name].in_words(context.answer[p.name], p.unit)
+    """Say how many parameters of the answer are determined, and which of them are biased."""
+    found = {
+        p.name: context.intervals[p.name]
         for p in context.parameters
         if p.name in context.intervals and p.name in context.answer
+    }
+    counts = Counter(
+        "determined" if one.is_determined else one.determination for one in found.values()
     )
-    if words:
-        yield context.in_words(f"{words[0].upper()}{words[1:]}.")
+    if found:
+        parameters = counted(len(found), "parameter")
+        parts = (f"{count} {words}" for words, count in counts.items())
+        yield messages.DETERMINATIONS(parameters=parameters, parts=", ".join(parts))
+    for name, one in found.items():
+        if one.bias:
+            words = context.parameter_label(name).words
+            yield messages.BIASED(parameter=words, bias=context.in_words(one.bias))
 
 
 def _accepted(response: ResponseResult) -> str:

@@ -20,6 +20,8 @@ CONTINUE = Message("Simulated so far: {runs}.", "Start the same command again to
 RESULT_MISSING = Message(
     "Its result.json is missing.", "Start the same command again: it is written again."
 )
+DETERMINATIONS = Message("Of {parameters}: {parts}.")
+BIASED = Message("Biased is the {parameter}: {bias}.")
 DOUBTFUL = Message("{response} is within {accepted} with a probability of {probability}")
 MISSED = Message("{response} deviates by {deviation}, and {accepted} are accepted")
 

@@ -196,7 +196,12 @@ class Advice(Summary):
             )
             for prospect in self.prospects
         ]
-        header = ("test", *short_names(names), "most telling", "over its error", "a run")
+        units = (unit_for_people(p.unit) for p in self.today.parameters)
+        shown = (
+            f"{name}, {unit}" if unit else name
+            for name, unit in zip(short_names(names), units, strict=True)
+        )
+        header = ("test", *shown, "most telling", "over its error", "a run")
         return TextTable(
             header,
             (("today", *now, "", "", duration(self.today.seconds)), *rows),

@@ -1,4 +1,4 @@
-// The page itself: figures when they come into view, light and dark, printing, explanations.
+// The page itself: figures, folded sections, light and dark, printing, explanations.
 //
 // For the scripts of sections:
 //   grainfitData(key)               data of the section of that key, or null
@@ -6,6 +6,7 @@
 //   grainfitDraw(element, figure)   draw {data, layout} there in the page's theme, again if need be
 //   grainfitTheme()                 colours of now by the names of the CSS variables
 //   grainfitPlotly()                Plotly, loaded when it is first needed
+//   grainfitWhenSeen(element, draw) call draw(element) once, when no fold hides the element
 //   grainfitScrolls(element)        let the keyboard reach what scrolls in an element
 //   event "grainfit:drawn"          on an element whose figure was drawn for the first time (bubbles)
 //   event "grainfit:theme"          on the document, when the colours have changed
@@ -190,16 +191,42 @@
     }
   };
 
-  const watcher = new IntersectionObserver(
-    (entries) => {
-      for (const entry of entries.filter((one) => one.isIntersecting)) {
-        watcher.unobserve(entry.target);
-        drawPlace(entry.target);
-      }
-    },
-    { rootMargin: "400px 0px" },
-  );
-  places.forEach((place) => watcher.observe(place));
+  // One at a time, from the top, so that the page stays responsive; all, so that a picture of the
+  // whole page shows them. What is folded is drawn when it is unfolded.
+  const waiting = new Map();
+  const next = () => {
+    const place = [...waiting.keys()].find((one) => one.checkVisibility());
+    if (place) {
+      const draw = waiting.get(place);
+      waiting.delete(place);
+      draw(place);
+      setTimeout(next);
+    }
+  };
+  window.grainfitWhenSeen = (place, draw) => {
+    waiting.set(place, draw);
+  };
+  places.forEach((place) => window.grainfitWhenSeen(place, drawPlace));
+  addEventListener("load", next);
+  document.addEventListener("toggle", next, { capture: true });
+
+  // --- Folded sections: unfolded when a link leads into them -------------------------------------
+
+  const unfold = () => {
+    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    const folded = target?.querySelector(":scope > details") ?? target?.closest("details");
+    if (folded && !folded.open) {
+      folded.open = true;
+      target.scrollIntoView();
+    }
+  };
+  addEventListener("hashchange", unfold);
+  document.addEventListener("click", ({ target }) => {
+    if (target instanceof Element && target.closest(`a[href="${CSS.escape(location.hash)}"]`)) {
+      unfold();
+    }
+  });
+  unfold();
 
   // --- Light and dark, and paper ---------------------------------------------------------------
 
@@ -212,7 +239,7 @@
   dark.addEventListener("change", repaint);
 
   let opened = [];
-  addEventListener("beforeprint", () => {
+  const prepare = () => {
     // The page as wide as paper, so that figures are drawn as large as they will be.
     root.dataset.theme = "light";
     root.classList.add("printing");
@@ -220,6 +247,10 @@
     opened.forEach((details) => {
       details.open = true;
     });
+  };
+  // Before sections draw what only paper has.
+  addEventListener("beforeprint", prepare, { capture: true });
+  addEventListener("beforeprint", () => {
     places.forEach(drawPlace);
     repaint();
     for (const element of drawn) {

@@ -25,14 +25,10 @@ from grainfit.report.sections.undetermined.section import undetermined
 from grainfit.report.sections.verification.section import verification
 from grainfit.report.sections.yield_locus.section import yield_locus
 
-#: Each returns its section, or None when it has no content.
-SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
-    answer,
-    photographs,
-    curves,
-    yield_locus,
-    holdout,
-    particles,
+_Make = Callable[[ReportContext], Section | None]
+
+#: Those for ten minutes, which are folded on the screen and open on paper.
+FOLDED: Sequence[_Make] = (
     convergence,
     surfaces,
     explorer,
@@ -43,6 +39,17 @@ SECTIONS: Sequence[Callable[[ReportContext], Section | None]] = (
     verification,
     runs,
     reproduce,
+)
+#: Each returns its section, or None when it has no content: first the answer, for ten seconds, then
+#: what was measured beside what was simulated, for a minute.
+SECTIONS: Sequence[_Make] = (
+    answer,
+    photographs,
+    curves,
+    yield_locus,
+    holdout,
+    particles,
+    *FOLDED,
 )
 
 

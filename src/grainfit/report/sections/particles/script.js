@@ -249,6 +249,23 @@
       for (const [start, end, rgb] of scene.arrows ?? []) {
         drawArrow(pen, place(...start), place(...end), `rgb(${rgb.join(",")})`, 3 * scale);
       }
+      pen.font = `${12 * scale}px ${getComputedStyle(canvas).fontFamily}`;
+      pen.textAlign = "center";
+      for (const [start, end, words] of scene.dimensions ?? []) {
+        const [[x1, y1], [x2, y2]] = [place(...start), place(...end)];
+        const [column, row] = [(x1 + x2) / 2, (y1 + y2) / 2 + 4 * scale];
+        pen.lineWidth = scale;
+        pen.strokeStyle = theme["quiet-ink"];
+        pen.beginPath();
+        pen.moveTo(x1, y1);
+        pen.lineTo(x2, y2);
+        pen.stroke();
+        pen.lineWidth = 4 * scale;
+        pen.strokeStyle = theme.card;
+        pen.strokeText(words, column, row);
+        pen.fillStyle = theme.ink;
+        pen.fillText(words, column, row);
+      }
     };
     const redraw = () => {
       if (!waiting) {
@@ -359,22 +376,12 @@
   const canvases = [...document.querySelectorAll("canvas[data-particles]")].filter(
     (canvas) => scenes[canvas.dataset.particles],
   );
-  const watcher = new IntersectionObserver(
-    (entries) => {
-      for (const { target, isIntersecting } of entries) {
-        if (isIntersecting) {
-          watcher.unobserve(target);
-          once(target);
-        }
-      }
-    },
-    { rootMargin: "200px 0px" },
-  );
-  canvases.forEach((canvas) => watcher.observe(canvas));
+  canvases.forEach((canvas) => window.grainfitWhenSeen(canvas, once));
   for (const button of document.querySelectorAll("[data-strip]")) {
     button.addEventListener("click", () => {
       const isIn = document.getElementById(button.dataset.strip).classList.toggle("in-3d");
       button.setAttribute("aria-pressed", isIn);
+      canvases.filter((canvas) => canvas.clientWidth > 0).forEach(once);
     });
   }
   addEventListener("beforeprint", () => {

@@ -154,6 +154,10 @@ def _strip(
 ) -> tuple[list[StripRun], dict[str, Any]]:
     names = _named(context, target)
     shown = at_corners(runs, context.reading.problem, names[:_CORNERS])
+    values = [run.value for run, _ in shown]
+    if target is not None and shown and max(values) - min(values) < target.tolerance:
+        # They look alike, and tell nothing.
+        return [], {}
     strip = []
     for position, (run, view) in enumerate(shown, 1):
         mean = _mean_over_seeds(context, run, target)
@@ -165,7 +169,7 @@ def _strip(
                 value=with_unit(number(run.value, 3), _unit([run], target)),
                 expected="" if mean is None else with_unit(number(mean, 3), _unit([run], target)),
                 met=target is not None and target.is_met_by(value),
-                drawing=view.drawing(),
+                drawing=view.measured_drawing(None).drawing,
                 values=[_named_value(context, run, name) for name in names],
             )
         )

@@ -610,16 +610,7 @@
         made().choose(select.dataset.choice, Number(select.value));
       });
     }
-    const watcher = new IntersectionObserver(
-      (entries) => {
-        if (entries.some((entry) => entry.isIntersecting)) {
-          watcher.disconnect();
-          made().show();
-        }
-      },
-      { rootMargin: "300px 0px" },
-    );
-    watcher.observe(place);
+    window.grainfitWhenSeen(place, () => made().show());
     // Before the page's own, which makes all that is drawn fit the paper.
     addEventListener("beforeprint", () => made().showNow(), { capture: true });
     addEventListener("afterprint", () => made().removeOthers(), { capture: true });

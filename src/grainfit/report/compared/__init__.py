@@ -1,0 +1,1 @@
+"""Page of calibrations side by side."""

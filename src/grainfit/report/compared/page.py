@@ -1,0 +1,109 @@
+"""Page of calibrations side by side: intervals over each other on one scale."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import log
+from pathlib import Path
+
+from grainfit.files import write_atomically
+from grainfit.plots.labels import Label, label_of_parameter, label_of_response
+from grainfit.report.package_page import package_page
+from grainfit.work_folder.comparison import ComparedRow, ComparedValue, Comparison
+from grainfit.work_folder.saved_calibration import SavedCalibration
+
+#: Ends of intervals whose ratio is larger are drawn on a logarithmic scale.
+_LOGARITHMIC = 20.0
+#: Narrowest bar, percent of the scale.
+_NARROWEST = 0.5
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A value as it is drawn: percentages of the scale of its row."""
+
+    name: str
+    shown: str
+    verdict: str
+    at: float
+    left: float
+    width: float
+    target: tuple[float, float] | None
+
+
+def write_compared_page(found: Comparison, saved: Sequence[SavedCalibration], path: Path) -> None:
+    """Write the page of a comparison: one file that works offline.
+
+    Parameters
+    ----------
+    found : Comparison
+        The comparison.
+    saved : sequence of SavedCalibration
+        The calibrations that are compared.
+    path : Path
+        The file to write.
+    """
+    tables = [
+        (
+            title,
+            [(_label(saved, row.name, make), row.verdict, _bars(found.names, row)) for row in rows],
+        )
+        for title, rows, make in (
+            ("Parameters", found.parameters, label_of_parameter),
+            ("Responses", found.responses, label_of_response),
+        )
+    ]
+    write_atomically(path, package_page("grainfit.report.compared", found=found, tables=tables))
+
+
+def _label(
+    saved: Sequence[SavedCalibration], name: str, make: Callable[[SavedCalibration, str], Label]
+) -> Label:
+    labels = [make(one, name) for one in saved]
+    return max(labels, key=lambda label: len(label.unit))
+
+
+def _bars(names: Sequence[str], row: ComparedRow) -> list[Bar | None]:
+    ends = [end for one in row.values if one is not None for end in _ends(one)]
+    if not ends:
+        return [None for _ in names]
+    low, high = min(ends), max(ends)
+    is_logarithmic = low > 0 and high / low > _LOGARITHMIC
+
+    def place(value: float) -> float:
+        if low == high:
+            return 50.0
+        share = log(value / low) / log(high / low) if is_logarithmic else (value - low) / (high - low)
+        return round(4.0 + 92.0 * share, 2)
+
+    return [
+        None if one is None else _bar(name, one, place)
+        for name, one in zip(names, row.values, strict=True)
+    ]
+
+
+def _ends(one: ComparedValue) -> Iterator[float]:
+    """Yield what the scale of a row has room for."""
+    yield one.value
+    yield from (end for end in (one.low, one.high) if end is not None)
+    if one.measured is not None and one.tolerance is not None:
+        yield from (one.measured - one.tolerance, one.measured + one.tolerance)
+
+
+def _bar(name: str, one: ComparedValue, place: Callable[[float], float]) -> Bar:
+    left = place(one.value if one.low is None else one.low)
+    right = place(one.value if one.high is None else one.high)
+    target = None
+    if one.measured is not None and one.tolerance is not None:
+        start, end = (place(one.measured + sign * one.tolerance) for sign in (-1, 1))
+        target = (start, round(end - start, 2))
+    return Bar(
+        name,
+        one.shown,
+        one.verdict,
+        place(one.value),
+        left,
+        round(max(right - left, _NARROWEST), 2),
+        target,
+    )
