@@ -444,7 +444,9 @@ def test_a_link_unfolds_its_section_and_figures_are_drawn_without_scrolling(
         assert not figures.first.is_visible()
         page.locator(".contents a[href='#convergence']").click()
         figures.last.wait_for(state="visible")
-        assert comes_true(page, f"[...document.querySelectorAll('#convergence .figure')].every({drawn})")
+        assert comes_true(
+            page, f"[...document.querySelectorAll('#convergence .figure')].every({drawn})"
+        )
         page.evaluate("location.hash = '#run-3'")
         page.locator("#run-3").wait_for(state="visible")
         assert found.faults == []

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import needs
 import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+import needs
 from benchmarks import chromium
 from benchmarks.axe import violations
 from grainfit.cli.app import app

@@ -41,7 +41,7 @@ def print_runs(
     """
     shown = selected.rows(range(min(limit, len(selected))))
     if len(shown):
-        columns, left_out = _columns_that_fit(runs, selected, shown, console.width)
+        columns, left_out = _columns_that_fit(runs, shown, console.width)
         console.print(_as_rich(columns, shown, console.width))
         if left_out:
             words = f"No room for {', '.join(left_out)}: widen the terminal, or export them."
@@ -59,7 +59,7 @@ def print_runs(
 
 
 def _columns_that_fit(
-    runs: RunColumns, selected: RunColumns, shown: RunColumns, width: int
+    runs: RunColumns, shown: RunColumns, width: int
 ) -> tuple[list[str], list[str]]:
     """Return the columns to show, and the parameters and responses that there is no room for."""
     first = ["identity", "test", "seed", "seconds"]
@@ -69,9 +69,7 @@ def _columns_that_fit(
     # Fixed parameters are the same in all runs, so they are not shown.
     varied = [name for name in runs.parameters.values() if len(set(runs.values[name])) > 1]
     responses = [
-        name
-        for name in runs.responses.values()
-        if any(v is not None for v in shown.values[name])
+        name for name in runs.responses.values() if any(v is not None for v in shown.values[name])
     ]
     left_out: list[str] = []
     while (varied or responses) and _width(first + varied + responses, shown, last) > width:

@@ -74,7 +74,9 @@ def _bars(names: Sequence[str], row: ComparedRow) -> list[Bar | None]:
     def place(value: float) -> float:
         if low == high:
             return 50.0
-        share = log(value / low) / log(high / low) if is_logarithmic else (value - low) / (high - low)
+        share = (
+            log(value / low) / log(high / low) if is_logarithmic else (value - low) / (high - low)
+        )
         return round(4.0 + 92.0 * share, 2)
 
     return [
