@@ -136,5 +136,5 @@ def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[
     tests = of_hertz(tests, contact_models_of(reading))
     said += stiffness_notes(reading.problem, tests, reading.fixed, context.answer or None)
     shown = shown_verdict(context).details
-    said = dict.fromkeys(words for words in said if words not in shown)
-    yield from map(context.in_words, said)
+    untold = dict.fromkeys(words for words in said if words not in shown)
+    yield from map(context.in_words, untold)
