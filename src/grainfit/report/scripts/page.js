@@ -355,7 +355,7 @@
   const stops = new Set();
   for (const abbreviation of document.querySelectorAll("abbr[title]")) {
     const { title } = abbreviation;
-    if (stops.has(title) || abbreviation.closest("button, a, summary, label, details")) {
+    if (stops.has(title) || abbreviation.closest("button, a, summary, label, details:not(section > details)")) {
       continue;
     }
     stops.add(title);
