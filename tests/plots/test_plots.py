@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-from grainfit.plots.expectation import Expectation
 
 import grainfit as gf
 from grainfit.analysis.analysis import Analysis
 from grainfit.errors import InputError
 from grainfit.plots import convergence_figures, messages
 from grainfit.plots.arrange import arrange, in_columns
+from grainfit.plots.expected_course import Expectation
 from grainfit.plots.figure import Figure
 from grainfit.plots.posterior_figures import posterior_figures
 from grainfit.report.page import render_page
