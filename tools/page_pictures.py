@@ -29,6 +29,7 @@ _RUNS = 8
 #: The first screen of a report ends before its times, which are those of this machine.
 _HEIGHT, _ANSWER = 945, 664
 _LARGEST = 150_000
+_PATIENCE = 600_000.0
 
 
 def main() -> None:
@@ -40,7 +41,8 @@ def main() -> None:
         work = Path(folder) / "glass_beads.grainfit"
         command = [sys.executable, "-m", "grainfit", "run", str(_FILE), "--workers", "2"]
         command += ["--workdir", str(work), "--watch"]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as run:
+        pipe = subprocess.PIPE
+        with subprocess.Popen(command, stdout=pipe, stderr=subprocess.STDOUT, text=True) as run:
             assert run.stdout is not None
             for line in run.stdout:
                 if found := re.search(r"http://\S+", line):
@@ -48,7 +50,9 @@ def main() -> None:
                     break
             while run.poll() is None and len(SavedCalibration.open(work).evaluations) < _RUNS:
                 page.wait_for_timeout(1000)
-            page.wait_for_timeout(3000)
+            first = page.get_by_text("A first verdict follows")
+            first.wait_for(state="hidden", timeout=_PATIENCE)
+            page.wait_for_timeout(5000)
             _take(page, "watch")
             run.stdout.read()
         page.set_viewport_size({"width": 1200, "height": _ANSWER})
