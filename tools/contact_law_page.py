@@ -27,25 +27,36 @@ def updated(page: str) -> str:
 
 
 def _lines() -> Iterator[str]:
+    known: dict[str, str] = {}
     for model in CONTACT_MODELS:
         solvers = ", ".join(_SOLVERS[solver] for solver in model.solvers)
-        yield from (f"## `{model.name}` ({solvers})", "", *_model(model), "")
+        yield from (f"## `{model.name}` ({solvers})", "")
+        for head, rows in _tables(model):
+            # What stands in the table of an earlier law is not repeated.
+            if new := [row for row in rows if row not in known]:
+                yield from (*head, *new, "")
+            repeated: dict[str, list[str]] = {}
+            for row in rows:
+                if row in known:
+                    repeated.setdefault(known[row], []).append(row.split("|")[1].strip())
+                known.setdefault(row, model.name)
+            for law, terms in repeated.items():
+                yield from (f"As of `{law}`: {', '.join(terms)}.", "")
     yield from ("## Time step", "", "| term | equation | |", "|---|---|---|")
     yield from (_row(one.term, one.formula, one.remark) for one in RAYLEIGH_EQUATIONS)
     yield from ("", "## Symbols", "", "| symbol | meaning |", "|---|---|")
     yield from (f"| `{symbol}` | {meaning} |" for symbol, meaning in SYMBOLS.items())
 
 
-def _model(model: ContactModel) -> Iterator[str]:
-    yield from ("| term | equation | |", "|---|---|---|")
-    yield from (_row(one.term, one.formula, one.remark) for one in model.equations)
+def _tables(model: ContactModel) -> Iterator[tuple[tuple[str, str], list[str]]]:
+    """Yield the heads of the tables of a law, each with its rows."""
+    rows = [_row(one.term, one.formula, one.remark) for one in model.equations]
     for words in model.keywords:
         name = _SOLVERS[words.solver]
-        yield from (
-            _row(f"{one.term} in {name}", one.formula, one.remark) for one in words.equations
-        )
-    yield from ("", "| parameter | symbol | convention |", "|---|---|---|")
-    yield from (f"| `{one.key}` | `{one.symbol}` | {one.meaning} |" for one in model.conventions)
+        rows += [_row(f"{one.term} in {name}", one.formula, one.remark) for one in words.equations]
+    yield ("| term | equation | |", "|---|---|---|"), rows
+    rows = [f"| `{one.key}` | `{one.symbol}` | {one.meaning} |" for one in model.conventions]
+    yield ("| parameter | symbol | convention |", "|---|---|---|"), rows
 
 
 def _row(term: str, formula: str, remark: str) -> str:
