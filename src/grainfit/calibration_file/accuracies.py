@@ -41,7 +41,7 @@ def read_accuracies(given: Mapping[str, str | float]) -> Accuracies:
     for name, text in given.items():
         place = Place(findings, ("accuracy", *name.split(".")))
         if name not in units:
-            place.fault("is no response of a bulk test.", suggest(name, units, "There are"))
+            place.fault(messages.NO_RESPONSE_OF_TESTS, remedy=suggest(name, units, "There are"))
         elif (read := Deviation(units[name]).read(text, place)) is not None:
             found[name] = Accuracy(*read)
     if findings.faults:

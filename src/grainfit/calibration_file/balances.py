@@ -156,7 +156,7 @@ def _number(response: str, values: Values, place: Place) -> Target | None:
         try:
             one = record.measure(response)
         except NotMeasurableError as error:
-            at.fault(f"is {path.name}, and {error}")
+            at.fault(messages.FILE_REFUSED, file=path.name, reason=error)
             return None
         measured.append(one)
         name = response.replace("_", " ")
@@ -184,7 +184,7 @@ def _curve(values: Values, place: Place) -> CurveTarget | None:
     if found is None:
         return None
     if len(found) < 2:
-        place.at(BALANCE).refuse(messages.ONE_RECORD.fault(""))
+        place.at(BALANCE).fault(messages.ONE_RECORD)
         return None
     curves = [discharged_mass(record.time, record.remaining) for record, _, _ in found]
     end = min(curve.coordinates[-1] for curve in curves)
@@ -231,7 +231,7 @@ def _records(values: Values, place: Place) -> list[tuple[Weighed, Path, Place]] 
         try:
             records.append((Weighed.of(points.coordinates, points.values), path, at))
         except NotMeasurableError as error:
-            at.fault(f"is {path.name}, and {error}")
+            at.fault(messages.FILE_REFUSED, file=path.name, reason=error)
             failed = True
     return None if failed else records
 
@@ -245,7 +245,7 @@ def _column(
         if written:
             to_unit(f"1 {written}", unit)
     except UnitError as error:
-        place.at(f"{key}_unit").fault(error.message, error.remedy)
+        place.at(f"{key}_unit").refuse(error)
         return None
     # A balance writes grams as often as kilograms: nothing is taken for granted.
     return Wanted(Quantity(unit), name, given=written, unit_key=f"{key}_unit", needs_unit=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.calibration_file import messages
 from grainfit.campaign.cluster.options import LONGEST_WALLTIME, SHORTEST_WALLTIME, ClusterOptions
 from grainfit.campaign.cluster.schedulers import SCHEDULERS
 from grainfit.errors import InputError
@@ -30,7 +31,7 @@ class ParslConfiguration(Kind):
         try:
             file = PythonFile(text, folder)
         except InputError:
-            place.fault(f"is {show(text)}.", remedy)
+            place.fault(messages.NO_PARSL_CONFIG, given=show(text), remedy=remedy)
             return None
         if not is_file(file.path):
             note_not_there(text, folder, place)
@@ -40,7 +41,9 @@ class ParslConfiguration(Kind):
         except InputError as error:
             for fault in error.faults:
                 message = fault.message.replace("has no function", "has no")
-                place.fault(f"is {show(text)}: {message}", remedy)
+                place.fault(
+                    messages.BAD_PARSL_CONFIG, given=show(text), reason=message, remedy=remedy
+                )
             return None
         return f"{file.path}:{file.function}"
 
@@ -97,5 +100,5 @@ def cluster_options(values: Values, place: Place) -> ClusterOptions | None:
         return ClusterOptions(**values)
     except InputError as error:
         for fault in error.faults:
-            place.at(fault.key).fault(fault.message, fault.remedy)
+            place.at(fault.key).refuse(fault)
     return None

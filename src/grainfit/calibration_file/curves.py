@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.targets import Deviation, TargetTable
-from grainfit.errors import InputError
+from grainfit.errors import Fault, InputError
+from grainfit.messages import Message
 from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.paths import Located
 from grainfit.options.places import Place, show
@@ -68,7 +70,7 @@ class CurveTable(Kind):
             _note_unclear_errors(plain, f"y_unit is {show(written)}", written, place)
             plain = {}
         if _FORMER in value:
-            place.at(_FORMER).fault("is called systematic now.", "Rename the key.")
+            place.at(_FORMER).fault(messages.RENAMED_TO_SYSTEMATIC)
             value = {key: given for key, given in value.items() if key != _FORMER}
         keys = known._keys(is_own=self.unit is None)
         target: CurveTarget | None = Table(keys, partial(known._target, plain=plain)).read(
@@ -164,34 +166,24 @@ class RefusedCurve(Kind):
 
     Parameters
     ----------
-    message, remedy : str
+    message : Message
         The reason, and what to do.
     """
 
-    message: str
-    remedy: str
+    message: Message
 
     def read(self, value: Any, place: Place) -> None:  # noqa: ARG002
         """Refuse the curve."""
-        place.fault(self.message, self.remedy)
+        place.fault(self.message)
 
     def schema(self) -> Schema:
         """Return the JSON Schema that nothing satisfies."""
         return {"not": {}}
 
 
-PLANNED_CURVE = RefusedCurve(
-    "is a curve, and tests are compared by single responses only.",
-    "Leave it out of the file from which tests are chosen.",
-)
-HOLDOUT_CURVE = RefusedCurve(
-    "is a curve, and hold-outs are compared by single responses only.",
-    "Take a response of the test that is a number.",
-)
-CURVE_OF_TABLE = RefusedCurve(
-    "is a curve, and a recorded table holds single numbers only.",
-    "Give a value that a column of the table can be compared with.",
-)
+PLANNED_CURVE = RefusedCurve(messages.PLANNED_CURVE)
+HOLDOUT_CURVE = RefusedCurve(messages.HOLDOUT_CURVE)
+CURVE_OF_TABLE = RefusedCurve(messages.CURVE_OF_TABLE)
 
 
 @dataclass(frozen=True)
@@ -315,15 +307,11 @@ def _is_repeated(values: Values, place: Place) -> bool:
     """Return whether there are several tables; note what does not go with them."""
     if MEASUREMENTS not in values:
         if CURVE not in values:
-            place.at(CURVE).fault(
-                "is missing.", "Give a table with the curve, or several as measurements."
-            )
+            place.at(CURVE).fault(messages.NO_CURVE)
         return False
     for key in (CURVE, "uncertainty", "covariance"):
         if key in values:
-            place.at(key).fault(
-                "is given beside measurements.", f"The measurements say it: remove {key}."
-            )
+            place.at(key).fault(messages.BESIDE_MEASURED_CURVES, key=key)
             values[key] = None
     return True
 
@@ -357,15 +345,15 @@ def _converts(written: str, unit: str | None, own: str | None, place: Place, key
     if unit is None and own and is_unit(written):
         of_model = "unit" if key == "y" else "coordinate_unit"
         at.fault(
-            f"is {show(written)}, which cannot be converted to {of_model} = {show(own)}.",
-            "Name a unit of the same dimension there, or convert the column.",
+            messages.UNIT_OF_OWN_MODEL, written=show(written), of_model=of_model, own=show(own)
         )
         return False
     try:
         # Without a unit to convert to, the text is no unit: this says so.
         to_unit(f"1 {written}", "m" if unit is None else unit)
     except UnitError as error:
-        at.fault(error.message, error.remedy if unit is not None else how_to_write("Pa"))
+        remedy = error.remedy if unit is not None else how_to_write("Pa")
+        at.refuse(Fault("", error.message, remedy))
         return False
     return True
 
@@ -375,16 +363,9 @@ def _note_missing_errors(values: Values, place: Place) -> None:
         # A covariance that cannot be read may be another key, misspelt.
         for key in _ERRORS if values["covariance"] is not None else ():
             if key in values:
-                place.at(key).fault(
-                    "is given beside covariance.", f"The covariance says it: remove {key}."
-                )
+                place.at(key).fault(messages.BESIDE_COVARIANCE, key=key)
     elif "uncertainty" not in values:
-        place.at("uncertainty").fault(
-            "is missing.",
-            'Give the standard uncertainty of the values, such as "2 %", or a covariance; or give '
-            "the file a column with the standard error, or two with the standard deviation and the "
-            "number of measurements.",
-        )
+        place.at("uncertainty").fault(messages.NO_UNCERTAINTY_OF_CURVE)
 
 
 def _is_plain(given: Any) -> bool:
@@ -395,8 +376,7 @@ def _note_unclear_errors(plain: Mapping[str, float], why: str, unit: str, place:
     """Note plain numbers that may be in the unit of the file, or in that of the response."""
     for key, given in plain.items():
         place.at(key).fault(
-            f"is {show(given)}, and {why}: its unit is not clear.",
-            f'Write it with its unit, such as "{given:g} {unit[:20]}".',
+            messages.UNIT_NOT_CLEAR, given=show(given), why=why, value=given, unit=unit[:20]
         )
 
 
@@ -419,9 +399,11 @@ def _errors(values: Values, points: Points, unit: str, place: Place) -> dict[str
     zeros = [line for line, v in zip(points.lines, points.values, strict=True) if v == 0]
     if is_share and zeros:
         place.at("uncertainty").fault(
-            f"is {100 * number:g} %, and the value in line {zeros[0]} of {values[CURVE].name} "
-            "is 0.",
-            f"Give an absolute one{_such_as(unit)}, or leave the point out.",
+            messages.SHARE_OF_ZERO_IN_LINE,
+            percent=100 * number,
+            line=zeros[0],
+            file=values[CURVE].name,
+            such_as=_such_as(unit),
         )
         return None
     return found

@@ -123,7 +123,7 @@ def _number(key: str, test: Mapping[str, Any], values: Values, place: Place) -> 
     files = {one.sha256: one for group in groups for one in group}
     said = list(_said(found, files))
     if not found.responses:
-        place.at(key).refuse(messages.NO_PICTURE_MEASURED.fault("", reasons=" ".join(said)))
+        place.at(key).fault(messages.NO_PICTURE_MEASURED, reasons=" ".join(said))
         return None
     target = target_of(Response(*found.responses[place.key]), values, place, key)
     if target is None:
@@ -147,7 +147,7 @@ def _size(values: Values, test: Mapping[str, Any], place: Place) -> DrumSize | N
     if "distance" not in values:
         if "length" not in values:
             return DrumSize()
-        place.at("length").refuse(messages.LENGTH_WITHOUT_DISTANCE.fault(""))
+        place.at("length").fault(messages.LENGTH_WITHOUT_DISTANCE)
         return None
     # Their own faults are noted where they are.
     unheard = Place(Findings(place.findings.folder))
@@ -156,7 +156,7 @@ def _size(values: Values, test: Mapping[str, Any], place: Place) -> DrumSize | N
     if length is None and test.get("end_caps") is True:
         length = Quantity("m", above_zero=True).read(test.get("drum_length"), unheard)
     if radius is None or length is None:
-        place.at("distance").refuse(messages.DISTANCE_ALONE.fault(""))
+        place.at("distance").fault(messages.DISTANCE_ALONE)
         return None
     return DrumSize(radius, values["distance"], length)
 

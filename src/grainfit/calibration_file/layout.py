@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
 from grainfit.calibration_file.strategy_section import StrategySection, strategy_keys
@@ -217,7 +218,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
     """
     values: Values = (PLANNED_LAYOUT if planned else LAYOUT).read(document, place)
     if "test" not in document:
-        place.at("test").fault("is missing.", "Add a section [[test]] with type and targets.")
+        place.at("test").fault(messages.NO_TEST)
     _note_names_of_holdouts(document, place)
     simulated = _simulated(document)
     if simulated:
@@ -232,11 +233,7 @@ def read_document(document: dict[str, Any], place: Place, *, planned: bool = Fal
             _note_useless_parameters(simulated, values, place)
             note_unused_walls([w for one in simulated for w in one.used(declared)], values, place)
     if not any(isinstance(value, Parameter) or value is None for value in _parameters(values)):
-        place.fault(
-            "there is no free parameter, so there is nothing to calibrate.",
-            "Give at least one an interval, for example "
-            'particle.density = { min = "1400 kg/m^3", max = "2800 kg/m^3" }.',
-        )
+        place.fault(messages.NOTHING_FREE)
     return values
 
 
@@ -309,10 +306,7 @@ def _note_names_of_holdouts(document: dict[str, Any], place: Place) -> None:
         ]
     for index, name in enumerate(names["holdout"]):
         if isinstance(name, str) and name in names["test"]:
-            place.at("holdout", index, "name").fault(
-                f"{show(name)} is the name of a [[test]] too.",
-                'Give it a name of its own: name = "...".',
-            )
+            place.at("holdout", index, "name").fault(messages.NAME_OF_A_TEST, name=show(name))
 
 
 def _words(simulated: list[TestWalls]) -> str:
@@ -361,8 +355,11 @@ def _note_missing_keys(
         # A wall is looked for where its other section is.
         other = next((section for section in WALL_SECTIONS if section != path[0]), path[0])
         place.at(*path).fault(
-            "is missing.",
-            f"{words.capitalize()} {verb} [{'.'.join(path)}] with {names}.",
+            messages.NO_SECTION,
+            what=words.capitalize(),
+            verb=verb,
+            section=".".join(path),
+            names=names,
             near=(other, last) if around else (),
         )
     elif outer[last] is not None:
@@ -379,7 +376,7 @@ def _note_parameters_without_effect(values: Values, place: Place) -> None:
         # What could not be read has been noted.
         if plain_name(name) in without_effect and value is not None:
             fault = no_effect(name, chosen)
-            place.at(*name.split(".")).fault(fault.message, fault.remedy)
+            place.at(*name.split(".")).refuse(fault)
 
 
 def _note_impossible_shape(values: Values, place: Place) -> None:
@@ -391,14 +388,16 @@ def _note_impossible_shape(values: Values, place: Place) -> None:
     if given not in particle:
         if shape is not None and shape.has_aspect_ratio:
             remedy = "Give a value, such as 1.5, or an interval { min = 1.0, max = 2.0 }."
-            place.at("particle", given).fault(f"is missing for the shape {shape}.", remedy)
+            place.at("particle", given).fault(
+                messages.MISSING_FOR_SHAPE, shape=shape, remedy=remedy
+            )
         return
     ratio = particle[given]
     ends = (ratio.minimum, ratio.maximum) if isinstance(ratio, Parameter) else (ratio,)
     for end in ends:
         faults = [] if end is None else aspect_ratio_faults(shape, end)
         for fault in faults:
-            place.at("particle", given).fault(fault.message, fault.remedy)
+            place.at("particle", given).refuse(fault)
         if faults:
             return
 
@@ -407,10 +406,7 @@ def _note_useless_parameters(simulated: list[TestWalls], values: Values, place: 
     words = _words(simulated)
     verb = "have" if words.endswith("s") else "has"
     for name in values.get("parameters") or ():
-        place.at("parameters", name).fault(
-            f"is used by no test: {words} {verb} the material parameters only.",
-            "Remove it, or add a [[test]] of your own model.",
-        )
+        place.at("parameters", name).fault(messages.PARAMETER_OF_NO_TEST, words=words, verb=verb)
 
 
 def _note_impossible_tests(simulated: list[TestWalls], values: Values, place: Place) -> None:
@@ -431,4 +427,4 @@ def _note_impossible_tests(simulated: list[TestWalls], values: Values, place: Pl
             one.test(sizes, **options)
         except InputError as error:
             for fault in error.faults:
-                place.at(one.section, one.index, fault.key).fault(fault.message, fault.remedy)
+                place.at(one.section, one.index, fault.key).refuse(fault)

@@ -159,3 +159,103 @@ HOLDOUT_MEASURED = Message("Its measured values take no part in the fit.")
 HOLDOUT_UNMEASURED = Message("It has no measured value: what is expected will be told.")
 NO_ACCURACY = Message("{given!r} has no value.", "Write NAME=VALUE.")
 NO_BULK_TEST = Message("{name!r} is not a bulk test.", "{remedy}")
+NO_RESPONSE_OF_TESTS = Message("is no response of a bulk test.", "{remedy}")
+NO_PARSL_CONFIG = Message("is {given}.", "{remedy}")
+BAD_PARSL_CONFIG = Message("is {given}: {reason}", "{remedy}")
+UNIT_OF_OWN_MODEL = Message(
+    "is {written}, which cannot be converted to {of_model} = {own}.",
+    "Name a unit of the same dimension there, or convert the column.",
+)
+UNIT_NOT_CLEAR = Message(
+    "is {given}, and {why}: its unit is not clear.",
+    'Write it with its unit, such as "{value:g} {unit}".',
+)
+SHARE_OF_ZERO_IN_LINE = Message(
+    "is {percent:g} %, and the value in line {line} of {file} is 0.",
+    "Give an absolute one{such_as}, or leave the point out.",
+)
+RENAMED_TO_SYSTEMATIC = Message("is called systematic now.", "Rename the key.")
+NO_CURVE = Message("is missing.", "Give a table with the curve, or several as measurements.")
+BESIDE_MEASURED_CURVES = Message(
+    "is given beside measurements.", "The measurements say it: remove {key}."
+)
+NO_UNCERTAINTY_OF_CURVE = Message(
+    "is missing.",
+    'Give the standard uncertainty of the values, such as "2 %", or a covariance; or give the '
+    "file a column with the standard error, or two with the standard deviation and the number "
+    "of measurements.",
+)
+BESIDE_COVARIANCE = Message("is given beside covariance.", "The covariance says it: remove {key}.")
+NO_TEST = Message("is missing.", "Add a section [[test]] with type and targets.")
+NOTHING_FREE = Message(
+    "there is no free parameter, so there is nothing to calibrate.",
+    'Give at least one an interval, for example particle.density = {{ min = "1400 kg/m^3", max '
+    '= "2800 kg/m^3" }}.',
+)
+NO_SECTION = Message("is missing.", "{what} {verb} [{section}] with {names}.")
+PARAMETER_OF_NO_TEST = Message(
+    "is used by no test: {words} {verb} the material parameters only.",
+    "Remove it, or add a [[test]] of your own model.",
+)
+NAME_OF_A_TEST = Message(
+    "{name} is the name of a [[test]] too.", 'Give it a name of its own: name = "...".'
+)
+MISSING_FOR_SHAPE = Message("is missing for the shape {shape}.", "{remedy}")
+FIXED_IN_TABLE = Message(
+    "is not a known key.",
+    "A fixed parameter is written {key} = {example}; a free one has min and max.",
+)
+BOUNDS_NOT_IN_ORDER = Message(
+    "bounds are {order} (min {low:g}, max {high:g}).", "min must be below max."
+)
+NOT_POSITIVE_ON_LOG_SCALE = Message("is {low:g} on a log scale.", "It must be above 0 there.")
+NO_TANGENT = Message("is not the tangent of an angle.", "Angles measure {known}.")
+NO_INTERVAL = Message("is {given}.", "An interval is written {{ min = ..., max = ... }}.")
+NO_PARAMETER_OF_FILE = Message("is not a parameter of the file.", "{remedy}")
+NO_VALUE_GIVEN = Message("is given no value.", "Write {name}=VALUE.")
+SHARE_OUT_OF_RANGE = Message("is {given}.", "It must be above 0 % and at most 1000 %.")
+NO_MEASURED_VALUE = Message("is missing.", "Give the measured value, or a list of measurements.")
+SYSTEMATIC_ALONE = Message(
+    "is given without measurements.",
+    "The uncertainty of a value has all parts: give it as uncertainty.",
+)
+BESIDE_MEASUREMENTS = Message(
+    "is given beside measurements.",
+    "The measurements say it: remove {key}. An uncertainty that all of them share, such as "
+    "that of a scale, is systematic.",
+)
+NO_TARGETS = Message("are empty.", "Give at least one target.")
+EMPTY_LIST = Message("is empty.", "Give at least one {table}.")
+NO_TYPE = Message("is missing.", "Choose one of: {known}.")
+NAME_OF_ANOTHER_TEST = Message(
+    "{name} is the name of another test too.", 'Give each test its own name: name = "...".'
+)
+NO_NAME_OF_A_WALL = Message(
+    "{name!r} cannot be the name of a wall: it means something else already.",
+    "Call it differently: [{section}.steel], for example.",
+)
+PART_WITHOUT_WALL = Message(
+    "do not say what {part} is made of, and there is no plain [wall].",
+    "Write walls = {{ {parts} = ... }}, each with {walls}.",
+)
+PLAIN_WALL_OF_NO_TEST = Message(
+    "is used by no test: every part of theirs is of a wall with a name.", "Remove it."
+)
+WALL_OF_NO_TEST = Message(
+    "is used by no test.",
+    'Name a part that is made of it in a [[test]]: walls = {{ PART = "{wall}" }}, or remove it.',
+)
+FILE_REFUSED = Message("is {file}, and {reason}")
+NO_SUCH_WALL = Message("is {given}, and there is no [wall.{wall}].", "{remedy}")
+PLANNED_CURVE = Message(
+    "is a curve, and tests are compared by single responses only.",
+    "Leave it out of the file from which tests are chosen.",
+)
+HOLDOUT_CURVE = Message(
+    "is a curve, and hold-outs are compared by single responses only.",
+    "Take a response of the test that is a number.",
+)
+CURVE_OF_TABLE = Message(
+    "is a curve, and a recorded table holds single numbers only.",
+    "Give a value that a column of the table can be compared with.",
+)

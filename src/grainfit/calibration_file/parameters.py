@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.calibration_file import messages
 from grainfit.errors import InputError
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, STEEPEST, friction_of_angle
@@ -43,10 +44,7 @@ def _note_value_in_table(table: dict[str, Any], place: Place, example: str) -> b
     """Return whether a parameter is written as targets are, and note it."""
     if "value" not in table:
         return False
-    place.at("value").fault(
-        "is not a known key.",
-        f"A fixed parameter is written {place.key} = {example}; a free one has min and max.",
-    )
+    place.at("value").fault(messages.FIXED_IN_TABLE, key=place.key, example=example)
     return True
 
 
@@ -56,10 +54,10 @@ def _note_bad_bounds(values: Values, place: Place) -> bool:
         return True
     if low >= high:
         word = "equal" if low == high else "swapped"
-        place.fault(f"bounds are {word} (min {low:g}, max {high:g}).", "min must be below max.")
+        place.fault(messages.BOUNDS_NOT_IN_ORDER, order=word, low=low, high=high)
         return True
     if values.get("scale") == "log" and low <= 0:
-        place.at("min").fault(f"is {low:g} on a log scale.", "It must be above 0 there.")
+        place.at("min").fault(messages.NOT_POSITIVE_ON_LOG_SCALE, low=low)
         return True
     return "scale" in values and values["scale"] is None
 
@@ -171,9 +169,7 @@ class FixedOrFree(Kind):
             if self._is_angle:
                 return self._measured(value, place)
             names = " and ".join(MEASURED_BY_ANGLE)
-            place.at("measured_angle").fault(
-                "is not the tangent of an angle.", f"Angles measure {names}."
-            )
+            place.at("measured_angle").fault(messages.NO_TANGENT, known=names)
             return None
         if isinstance(value, dict):
             if _note_value_in_table(value, place, self.parameter.example):
@@ -181,7 +177,7 @@ class FixedOrFree(Kind):
             free: Parameter | None = self._interval.read(value, place)
             return free
         if isinstance(value, list) or (isinstance(value, str) and _INTERVAL_SIGNS.search(value)):
-            place.fault(f"is {show(value)}.", "An interval is written { min = ..., max = ... }.")
+            place.fault(messages.NO_INTERVAL, given=show(value))
             return None
         return self._quantity.read(value, place)
 

@@ -13,7 +13,7 @@ from grainfit.calibration_file.curves import CurveTable
 from grainfit.calibration_file.originals import begun_with, groups_of, note_target
 from grainfit.calibration_file.photographed import Original
 from grainfit.calibration_file.targets import Deviation, PlannedTargetTable, TargetTable, absolute
-from grainfit.errors import InputError, NotMeasurableError
+from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.options.kinds import Choice, Flag, OneOrMore, Quantity, Text
 from grainfit.options.places import Place
@@ -156,7 +156,7 @@ def _curve(values: Values, place: Place) -> CurveTarget | None:
             coordinate="radius",
         )
     except (NotMeasurableError, InputError) as error:
-        place.at(PHOTOS).fault(str(error))
+        place.at(PHOTOS).refuse(Fault("", str(error)))
         return None
     result = messages.PHOTOGRAPHED_CURVE(
         count=len(curve.values),
@@ -224,7 +224,7 @@ def _measured(values: Values, place: Place) -> _Heaps | None:
         values.get("marker", False),
     )
     if known.diameter is not None and known.plate_diameter is None and not known.marker:
-        place.at("diameter").refuse(messages.NO_KNOWN_LENGTH.fault(""))
+        place.at("diameter").fault(messages.NO_KNOWN_LENGTH)
         return None
     heaps: list[tuple[KeptPicture, ...]] = []
     refused: list[KeptPicture] = []
@@ -246,6 +246,6 @@ def _measured(values: Values, place: Place) -> _Heaps | None:
             heaps.append(tuple(heap))
     if not heaps:
         reasons = " ".join(f"{one.file}: {one.refused}" for one in refused)
-        place.at(PHOTOS).refuse(messages.NO_PICTURE_MEASURED.fault("", reasons=reasons))
+        place.at(PHOTOS).fault(messages.NO_PICTURE_MEASURED, reasons=reasons)
         return None
     return _Heaps(tuple(heaps), tuple(refused))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import InputError
@@ -56,9 +57,9 @@ def quantity_of(file: CalibrationFile, name: str) -> Quantity:
 def _set(file: CalibrationFile, name: str, text: str, place: Place) -> dict[str, float]:
     free = [parameter.name for parameter in file.parameters]
     if name not in (known := [*free, *file.fixed]):
-        place.fault("is not a parameter of the file.", _meant(name, known, free))
+        place.fault(messages.NO_PARAMETER_OF_FILE, remedy=_meant(name, known, free))
     elif not text:
-        place.fault("is given no value.", f"Write {name}=VALUE.")
+        place.fault(messages.NO_VALUE_GIVEN, name=name)
     elif (value := quantity_of(file, name).read(_number_or_text(text), place)) is not None:
         return {name: value}
     return {}

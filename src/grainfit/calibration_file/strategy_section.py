@@ -115,7 +115,7 @@ class StrategySection(Kind):
             if isinstance(name, str) and name in strategies():
                 own = option_keys(strategies()[name])
                 for fault in option_faults(name, _of_strategies(value)):
-                    place.at(fault.key).fault(fault.message, fault.remedy)
+                    place.at(fault.key).refuse(fault)
             # A wrong name is noted below; options of other strategies are noted above.
             names = {key.name for key in own}
             value = {k: v for k, v in value.items() if k in names or k not in all_options()}
@@ -149,7 +149,7 @@ def _search_options(values: Values, place: Place) -> SearchOptions | None:
         return SearchOptions(strategy=strategy, **rest)
     except InputError as error:
         for fault in error.faults:
-            place.at(fault.key).fault(fault.message, fault.remedy)
+            place.at(fault.key).refuse(fault)
         return None
 
 

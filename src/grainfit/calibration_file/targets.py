@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from grainfit.bulk_tests.accuracy import Accuracy
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.parameters import own_quantity
 from grainfit.errors import InputError
@@ -47,7 +48,7 @@ class Deviation(Kind):
             absolute = self._absolute.read(value, place)
             return None if absolute is None else (absolute, False)
         if not _SMALLEST_SHARE <= share <= _LARGEST_SHARE:
-            place.fault(f"is {show(value)}.", "It must be above 0 % and at most 1000 %.")
+            place.fault(messages.SHARE_OUT_OF_RANGE, given=show(value))
             return None
         return share, True
 
@@ -203,23 +204,14 @@ def _measured(values: Values, place: Place) -> float | None:
     """Return the value, given or the mean of measurements; note faults."""
     if "measurements" not in values:
         if "value" not in values:
-            place.at("value").fault(
-                "is missing.", "Give the measured value, or a list of measurements."
-            )
+            place.at("value").fault(messages.NO_MEASURED_VALUE)
         if "systematic" in values:
-            place.at("systematic").fault(
-                "is given without measurements.",
-                "The uncertainty of a value has all parts: give it as uncertainty.",
-            )
+            place.at("systematic").fault(messages.SYSTEMATIC_ALONE)
             return None
         return values.get("value")
     for key in ("value", "uncertainty"):
         if key in values:
-            place.at(key).fault(
-                "is given beside measurements.",
-                f"The measurements say it: remove {key}. An uncertainty that all of them share, "
-                "such as that of a scale, is systematic.",
-            )
+            place.at(key).fault(messages.BESIDE_MEASUREMENTS, key=key)
     given = any(key in values for key in ("value", "uncertainty"))
     measurements = values["measurements"]
     return None if given or measurements is None else statistics.fmean(measurements)
@@ -240,9 +232,9 @@ def _note_relative_to_zero(values: Values, value: float, place: Place) -> bool:
     widths = {key: values[key] for key in _WIDTHS if key in values}
     for key, (number, is_share) in widths.items():
         if is_share:
-            place.at(key).fault(f"is {100 * number:g} %.", SHARE_OF_ZERO.remedy)
+            place.at(key).fault(SHARE_OF_ZERO, given=f"{100 * number:g} %")
     if not widths and "measurements" not in values:
-        place.at("tolerance").fault(NO_DEFAULT_TOLERANCE.text, NO_DEFAULT_TOLERANCE.remedy)
+        place.at("tolerance").fault(NO_DEFAULT_TOLERANCE)
         return True
     return any(is_share for _, is_share in widths.values())
 

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
-from grainfit.bulk_tests import messages
+from grainfit.bulk_tests import messages as test_messages
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.balances import BALANCE, WEIGHED, balance_table
 from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.curves import (
@@ -159,7 +160,7 @@ def _specification(kind: TestType, values: Values, place: Place) -> TestSpecific
         kind.check(values, place)
     targets = values.pop("targets", None)
     if targets is not None and not targets:
-        place.at("targets").fault("are empty.", "Give at least one target.")
+        place.at("targets").fault(messages.NO_TARGETS)
     if not targets or None in values.values() or None in targets.values():
         return None
     correlations = values.pop(CORRELATIONS.name, ())
@@ -235,7 +236,7 @@ class Tests(Kind):
             note_wrong_kind(value, place, "a list of tables", remedy)
             return None
         if not value:
-            place.fault("is empty.", f"Give at least one {self._table}.")
+            place.fault(messages.EMPTY_LIST, table=self._table)
         _note_equal_names(value, place)
         tests = [self._read_one(entry, place.at(i)) for i, entry in enumerate(value)]
         return tuple(test and replace(test, number=i) for i, test in enumerate(tests))
@@ -246,7 +247,7 @@ class Tests(Kind):
             return None
         kinds = types_of_test()
         if "type" not in value:
-            place.at("type").fault("is missing.", f"Choose one of: {', '.join(kinds)}.")
+            place.at("type").fault(messages.NO_TYPE, known=", ".join(kinds))
             return None
         chosen = Choice(tuple(kinds), instead_of_test).read(value["type"], place.at("type"))
         if chosen is None:
@@ -278,10 +279,7 @@ def _note_equal_names(tests: list[Any], place: Place) -> None:
     counts = Counter(name for name in names if isinstance(name, str))
     for index, name in enumerate(names):
         if isinstance(name, str) and counts[name] > 1 and name in names[:index]:
-            place.at(index, "name").fault(
-                f"{show(name)} is the name of another test too.",
-                'Give each test its own name: name = "...".',
-            )
+            place.at(index, "name").fault(messages.NAME_OF_ANOTHER_TEST, name=show(name))
 
 
 @dataclass(frozen=True)
@@ -323,7 +321,7 @@ def note_bad_correlations(
     faults = correlation_faults(responses, correlations, "")
     for fault in faults:
         index = fault.key.strip("[]")
-        (place.at(int(index)) if index else place).fault(fault.message, fault.remedy)
+        (place.at(int(index)) if index else place).refuse(fault)
     return bool(faults)
 
 
@@ -348,12 +346,12 @@ class InstrumentOf(Kind):
             found = read_instrument(value)
         except InputError as error:
             for fault in error.faults:
-                place.fault(fault.message, fault.remedy)
+                place.refuse(fault)
             return None
         if found.type == self.test:
             return found
-        fault = messages.OTHER_TYPE.fault("", name=value, type=found.type)
-        place.fault(fault.message, fault.remedy)
+        fault = test_messages.OTHER_TYPE.fault("", name=value, type=found.type)
+        place.refuse(fault)
         return None
 
     def schema(self) -> Schema:

@@ -9,6 +9,7 @@ from typing import Any
 
 from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.base import BulkTest
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.parameters import is_value
 from grainfit.materials.walls import PLAIN, WALL_SECTIONS
 from grainfit.options.kinds import NAME_PATTERN, Kind, Schema, note_bad_name, suggest
@@ -58,10 +59,7 @@ class WallTable(Kind):
     def _is_possible(self, name: str, place: Place) -> bool:
         """Return whether a wall can have a name, and note it when it cannot."""
         if name in self.reserved:
-            place.fault(
-                f"{name!r} cannot be the name of a wall: it means something else already.",
-                f"Call it differently: [{place.path[0]}.steel], for example.",
-            )
+            place.fault(messages.NO_NAME_OF_A_WALL, name=name, section=place.path[0])
             return False
         return note_bad_name(name, place)
 
@@ -130,20 +128,22 @@ class TestWalls:
             # Of a text that can be no name, this is noted already.
             if wall not in declared and re.fullmatch(NAME_PATTERN, wall):
                 remedy = suggest(wall, named, "Walls are") if named else "Add the section."
-                message = f"is {show(wall)}, and there is no [wall.{wall}]."
-                place.at("walls", part).fault(message, remedy)
+                place.at("walls", part).fault(
+                    messages.NO_SUCH_WALL, given=show(wall), wall=wall, remedy=remedy
+                )
         parts = self.parts(declared)
         for part, options in friction_options(self.test).items():
             for option in options:
                 if part in parts and option in self.table:
                     fault = friction_fault(option, part, parts[part])
-                    place.at(option).fault(fault.message, fault.remedy)
+                    place.at(option).refuse(fault)
         if named and PLAIN not in declared and (without := self._bare_parts(parts)):
             walls = " or ".join(f'"{wall}"' for wall in named)
             place.at("walls").fault(
-                f"do not say what {without[0]} is made of, and there is no plain [wall].",
-                f"Write walls = {{ {' = ..., '.join(self._all_parts())} = ... }}, each with "
-                f"{walls}.",
+                messages.PART_WITHOUT_WALL,
+                part=without[0],
+                parts=" = ..., ".join(self._all_parts()),
+                walls=walls,
             )
 
     def _all_parts(self) -> list[str]:
@@ -180,13 +180,6 @@ def note_unused_walls(used: Sequence[str], values: Values, place: Place) -> None
     """Note walls of which no test is made."""
     for wall, section in dict(reversed([*_sections(values)])).items():
         if wall == PLAIN and wall not in used:
-            place.at(section).fault(
-                "is used by no test: every part of theirs is of a wall with a name.",
-                "Remove it.",
-            )
+            place.at(section).fault(messages.PLAIN_WALL_OF_NO_TEST)
         elif wall not in used and not _is_unread(values[section][wall]):
-            place.at(section, wall).fault(
-                "is used by no test.",
-                f'Name a part that is made of it in a [[test]]: walls = {{ PART = "{wall}" }}, or '
-                "remove it.",
-            )
+            place.at(section, wall).fault(messages.WALL_OF_NO_TEST, wall=wall)

@@ -73,9 +73,9 @@ class Diameters(Kind):
         diameters = tuple(c["value"] for c in classes)
         fractions = tuple(c["mass_fraction"] for c in classes)
         if len(set(diameters)) < len(diameters):
-            place.refuse(messages.SAME_DIAMETER.fault(""))
+            place.fault(messages.SAME_DIAMETER)
         elif abs(sum(fractions) - 1) > 1e-6:
-            place.refuse(messages.SUM_OF_FRACTIONS.fault("", sum=sum(fractions)))
+            place.fault(messages.SUM_OF_FRACTIONS, sum=sum(fractions))
         else:
             return ParticleSizes(diameters, fractions)
         return None
@@ -125,11 +125,11 @@ def _made_by(distribution: type[SizeDistribution]) -> Finish:
 def _divided(values: Values, place: Place) -> ParticleSizes | None:
     given = [name for name in _DISTRIBUTIONS if name in values]
     if len(given) != 1:
-        place.refuse(messages.SEVERAL_DISTRIBUTIONS.fault("", given=" and ".join(given)))
+        place.fault(messages.SEVERAL_DISTRIBUTIONS, given=" and ".join(given))
         return None
     [name] = given
     if "opening_unit" in values and name != SieveCurve.key:
-        place.at("opening_unit").refuse(messages.UNIT_WITHOUT_CURVE.fault(""))
+        place.at("opening_unit").fault(messages.UNIT_WITHOUT_CURVE)
         return None
     if None in values.values():
         return None
@@ -215,7 +215,7 @@ def opening_column(unit: str | None, place: Place) -> Wanted | None:
     try:
         to_unit(f"1 {unit or 'm'}", "m")
     except UnitError as error:
-        place.at("opening_unit").fault(error.message, error.remedy)
+        place.at("opening_unit").refuse(error)
         return None
     return Wanted(Quantity("m"), "opening", given=unit, unit_key="opening_unit", needs_unit=True)
 

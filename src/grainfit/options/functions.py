@@ -8,6 +8,7 @@ from typing import Any
 
 from grainfit.errors import InputError
 from grainfit.files import is_file
+from grainfit.options import messages
 from grainfit.options.kinds import Kind, Schema, Text
 from grainfit.options.paths import note_not_there
 from grainfit.options.places import Place, show
@@ -38,8 +39,12 @@ class Function(Kind):
         """Note arguments of a function that it cannot be given; return whether there are none."""
         unknown = PythonFile(found).unknown_arguments(self.arguments) if self.arguments else []
         if unknown:
-            words = f"is {show(text)}, which takes {', '.join(unknown)}."
-            place.fault(words, f"It can take {', '.join(self.arguments)}.")
+            place.fault(
+                messages.TAKES_OTHER_ARGUMENTS,
+                given=show(text),
+                unknown=", ".join(unknown),
+                arguments=", ".join(self.arguments),
+            )
         return not unknown
 
     def schema(self) -> Schema:
@@ -68,6 +73,8 @@ def find_function(reference: str, folder: Path, place: Place) -> str | None:
     except InputError as error:
         for fault in error.faults:
             words = f"{fault.key} {fault.message}".lstrip()
-            place.fault(f"is {show(reference)}: {words}", fault.remedy)
+            place.fault(
+                messages.BAD_REFERENCE, reference=show(reference), reason=words, remedy=fault.remedy
+            )
         return None
     return f"{function.path}:{function.function}"

@@ -14,7 +14,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from grainfit.errors import Fault
 from grainfit.one_line import one_line
+from grainfit.options import messages
 from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, example_with, how_to_write, to_unit
 from grainfit.validation import is_computable
@@ -41,7 +43,13 @@ class Kind(ABC):
 
 def note_wrong_kind(value: Any, place: Place, expected: str, remedy: str = "") -> None:
     """Note that a value is, for example, a list where a number is expected."""
-    place.fault(f"is {show(value)}, {kind_of(value)}; it must be {expected}.", remedy)
+    place.fault(
+        messages.WRONG_KIND,
+        given=show(value),
+        kind=kind_of(value),
+        expected=expected,
+        remedy=remedy,
+    )
 
 
 @dataclass(frozen=True)
@@ -53,7 +61,7 @@ class Text(Kind):
         if not isinstance(value, str):
             note_wrong_kind(value, place, "a text", 'Write it in quotes: "...".')
         elif not value.strip() or len(value) > _LONGEST_TEXT or not value.isprintable():
-            place.fault(f"is {show(value)}.", f"Write one line of 1 to {_LONGEST_TEXT} characters.")
+            place.fault(messages.NOT_ONE_LINE, given=show(value), longest=_LONGEST_TEXT)
         else:
             return value
         return None
@@ -84,7 +92,7 @@ def note_bad_name(name: str, place: Place) -> bool:
     """Return whether a text can be a name, and note it when it cannot."""
     good = re.fullmatch(NAME_PATTERN, name) is not None
     if not good:
-        place.fault(f"{show(name)} cannot be a name.", _NAME_REMEDY)
+        place.fault(messages.BAD_NAME, name=show(name), remedy=_NAME_REMEDY)
     return good
 
 
@@ -108,7 +116,11 @@ class Choice(Kind):
         if isinstance(value, str) and value in self.options:
             return value
         door = self.elsewhere(value) if self.elsewhere else ""
-        place.fault(f"is {show(value)}.", door or suggest(value, self.options, "Possible here"))
+        place.fault(
+            messages.NOT_A_CHOICE,
+            given=show(value),
+            remedy=door or suggest(value, self.options, "Possible here"),
+        )
         return None
 
     def schema(self) -> Schema:
@@ -153,7 +165,7 @@ class Whole(Kind):
         if not isinstance(value, int) or isinstance(value, bool):
             note_wrong_kind(value, place, "a whole number", f"For example {max(self.lowest, 4)}.")
         elif not self.lowest <= value <= self.highest:
-            place.fault(f"is {show(value)}.", f"It must be {self.limits()}.")
+            place.fault(messages.COUNT_OUT_OF_LIMITS, given=show(value), limits=self.limits())
         else:
             return value
         return None
@@ -207,14 +219,16 @@ class Quantity(Kind):
 
     def _checked(self, number: float, shown: str, hint: str, place: Place) -> float | None:
         if not math.isfinite(number):
-            place.fault(f"is {number}.", "Give a finite number.")
+            place.fault(messages.NOT_FINITE, given=number)
         elif not is_computable(number):
-            place.fault(f"is {shown}.", "No DEM quantity is of such size.")
+            place.fault(messages.NO_SUCH_SIZE, given=shown)
         elif self.above_zero and number <= 0:
-            place.fault(f"is {shown}.", "It must be above 0.")
+            place.fault(messages.NOT_ABOVE_ZERO, given=shown)
         elif not self.lowest <= number <= self.highest:
             why = f" {self.why}" if self.why else ""
-            place.fault(f"is {shown}.", f"It must be {self.limits()}.{why}{hint}")
+            place.fault(
+                messages.OUT_OF_LIMITS, given=shown, limits=self.limits(), why=why, hint=hint
+            )
         else:
             return number
         return None
@@ -230,10 +244,7 @@ class Quantity(Kind):
             note_wrong_kind(value, place, self._words(), remedy)
             return None
         if self.unit is None:
-            place.fault(
-                f"is {show(value)}, and nothing says which unit your model takes.",
-                'Write a plain number, or name the unit beside it, such as unit = "J/m^3".',
-            )
+            place.fault(messages.UNIT_OF_MODEL_UNKNOWN, given=show(value))
             return None
         try:
             return to_unit(value, self.unit)
@@ -242,7 +253,7 @@ class Quantity(Kind):
             return None
 
     def _unreadable(self, error: UnitError, place: Place) -> None:
-        place.fault(error.message, error.remedy)
+        place.refuse(error)
 
     def _may_lack_unit(self, value: Any) -> bool:
         """Return whether a value may have been meant in another unit; of angles nobody does."""
@@ -305,11 +316,11 @@ class Share(Quantity):
     ) -> float | None:
         if 0 < number <= self.highest:
             return number
-        place.fault(f"is {shown}.", _SHARE)
+        place.fault(messages.NO_SHARE, given=shown, remedy=_SHARE)
         return None
 
     def _unreadable(self, error: UnitError, place: Place) -> None:
-        place.fault(error.message, _SHARE)
+        place.refuse(Fault("", error.message, _SHARE))
 
 
 @dataclass(frozen=True)
@@ -327,7 +338,7 @@ class ListOf(Kind):
         entries = tuple(self.kind.read(entry, place.at(i)) for i, entry in enumerate(value))
         if len(entries) < self.shortest:
             count = "1 entry" if len(entries) == 1 else f"{len(entries)} entries"
-            place.fault(f"has {count}.", f"Give at least {self.shortest}.")
+            place.fault(messages.TOO_FEW_ENTRIES, count=count, shortest=self.shortest)
             return None
         return None if None in entries else entries
 

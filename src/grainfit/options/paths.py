@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.files import is_file, is_folder
+from grainfit.options import messages
 from grainfit.options.kinds import Kind, Schema, Text
 from grainfit.options.places import Place, show
 
@@ -35,9 +36,7 @@ class Located(Kind):
 
 def note_not_there(text: str, folder: Path, place: Place, word: str = "file") -> None:
     """Note that a file or a folder does not exist."""
-    place.fault(
-        f"is {show(text)}, but there is no such {word}.", f"Relative paths start at {folder}."
-    )
+    place.fault(messages.NOT_THERE, given=show(text), kind=word, folder=folder)
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ import reprlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from grainfit.errors import Fault, InputError
+from grainfit.messages import Message
 
 #: Keys and list positions that lead from the top of the file to a value.
 KeyPath = tuple[str | int, ...]
@@ -70,6 +71,18 @@ class Findings:
         return None
 
 
+class Refusal(Protocol):
+    """What is wrong with a value, and what to do: a `Fault`, or the error of a unit."""
+
+    @property
+    def message(self) -> str:
+        """Description of the fault."""
+
+    @property
+    def remedy(self) -> str:
+        """Suggestion how to correct it."""
+
+
 @dataclass(frozen=True)
 class Place:
     """A spot in the file that is being read."""
@@ -86,22 +99,24 @@ class Place:
         """The last key on the way here."""
         return next((part for part in reversed(self.path) if isinstance(part, str)), "")
 
-    def fault(self, message: str, remedy: str = "", *, near: KeyPath = ()) -> None:
+    def fault(self, message: Message, /, *, near: KeyPath = (), **values: Any) -> None:
         """Note that something is wrong here.
 
         Parameters
         ----------
-        message, remedy : str
-            As in `Fault`.
+        message : Message
+            Of the catalogue of its room.
         near : path, optional
             Whose line it has when there is nothing of this place in the file.
+        **values : object
+            Fields of the message.
         """
-        line = self.findings.line_of(self.path) or self.findings.line_of(near)
-        self.findings.faults.append(FileFault(dotted(self.path), message, remedy, line))
+        self.refuse(message.fault("", **values), near=near)
 
-    def refuse(self, fault: Fault) -> None:
+    def refuse(self, fault: Refusal, *, near: KeyPath = ()) -> None:
         """Note a fault of this place, whatever its own key."""
-        self.fault(fault.message, fault.remedy)
+        line = self.findings.line_of(self.path) or self.findings.line_of(near)
+        self.findings.faults.append(FileFault(dotted(self.path), fault.message, fault.remedy, line))
 
     def note(self, error: InputError, keys: Collection[str], otherwise: Place) -> None:
         """Note the faults that the constructor of a value found.

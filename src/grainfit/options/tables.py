@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.options import messages
 from grainfit.options.kinds import (
     NAME_PATTERN,
     Kind,
@@ -54,7 +55,7 @@ class Key:
     def note_missing(self, place: Place) -> None:
         """Note that this key is missing in the table at a place."""
         remedy = f"Add it, for example: {self.name} = {self.example}" if self.example else ""
-        place.at(self.name).fault("is missing.", remedy)
+        place.at(self.name).fault(messages.MISSING, remedy=remedy)
 
     def schema(self) -> Schema:
         """Return the JSON Schema of the value, with description and example."""
@@ -99,7 +100,7 @@ class Table(Kind):
         kinds = {key.name: key.kind for key in self.keys}
         unknown = [name for name in value if name not in kinds]
         for name in unknown:
-            place.at(name).fault("is not a known key.", self._meant(name))
+            place.at(name).fault(messages.UNKNOWN_KEY, remedy=self._meant(name))
         # A misspelt key is one fault: the key that was meant is not missing, too.
         meant = {self._close(name) for name in unknown}
         for key in self.keys:
@@ -172,7 +173,7 @@ class Named(Kind):
 
     def _entry(self, name: str, value: Any, place: Place) -> Any:
         if name in self.reserved:
-            place.fault(f'"{name}" means something else already.', "Choose another name.")
+            place.fault(messages.RESERVED_NAME, name=name)
             return None
         return self.entry.read(value, place) if note_bad_name(name, place) else None
 

@@ -113,7 +113,7 @@ def note_at(place: Place, path: Path, faults: Sequence[Fault]) -> None:
     """Note faults of a table at its place in the calibration file."""
     for fault in faults:
         where = f", {fault.key}" if fault.key else ""
-        place.fault(f"{path.name}{where} {fault.message}", fault.remedy)
+        place.refuse(replace(fault, message=f"{path.name}{where} {fault.message}"))
 
 
 def _points(

@@ -23,7 +23,7 @@ from grainfit.solvers.parameters_for import AllBut, ParametersFor
 
 def _check_command(values: Values, place: Place) -> None:
     if "responses" in values and "evaluate" in values:
-        place.at("responses").refuse(messages.RESPONSES_TWICE.fault(""))
+        place.at("responses").fault(messages.RESPONSES_TWICE)
     folder, evaluate = values.get("folder"), values.get("evaluate")
     if folder and evaluate:
         at = place.at("evaluate")
@@ -45,7 +45,7 @@ def _find_function_inside(reference: str, folder: Path, place: Place) -> str | N
     """
     written = Path(reference.rpartition(":")[0])
     if ".." in written.parts or not is_inside(folder / written, folder):
-        place.refuse(messages.FUNCTION_OUTSIDE.fault("", given=show(reference), folder=folder))
+        place.fault(messages.FUNCTION_OUTSIDE, given=show(reference), folder=folder)
         return None
     return find_function(reference, folder, place)
 
