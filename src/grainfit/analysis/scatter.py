@@ -1,4 +1,4 @@
-"""Mean and scatter of responses over seeds at one parameter set."""
+"""Mean and scatter of responses and curves over seeds at one parameter set."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Particle diameters as an option: one, classes by mass, or a distribution by mass."""
+"""Particle diameters as an option: one, classes by mass, a distribution, or a sieve file."""
 
 from __future__ import annotations
 

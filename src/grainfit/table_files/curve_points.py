@@ -1,4 +1,4 @@
-"""Points of a measured curve, and the covariance of their errors, from tables."""
+"""Points of a measured curve, with their spread or covariance, from tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""View of a compression test in a report: the bed, and stress over strain."""
+"""Stress over strain and the bed: the view of a report, and the picture of a run."""
 
 from __future__ import annotations
 

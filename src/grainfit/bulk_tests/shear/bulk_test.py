@@ -23,10 +23,9 @@ from grainfit.bulk_tests.shear.flow import (
     read_frame,
     velocity_profile,
 )
-from grainfit.bulk_tests.shear.picture import draw_shear
 from grainfit.bulk_tests.shear.plane_shear import STRAIN, PlaneShear
 from grainfit.bulk_tests.shear.validity import is_held, require_sheared
-from grainfit.bulk_tests.shear.view import ShearView
+from grainfit.bulk_tests.shear.view import ShearView, draw_shear
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.errors import NotMeasurableError

@@ -32,9 +32,8 @@ from grainfit.bulk_tests.shear.validity import require_sheared
 from grainfit.bulk_tests.shear.view import ShearView
 from grainfit.bulk_tests.shear_cell import messages
 from grainfit.bulk_tests.shear_cell.failure import WINDOW, Failure, frictions_with_errors
-from grainfit.bulk_tests.shear_cell.picture import draw_shear_cell
 from grainfit.bulk_tests.shear_cell.setup import ShearCellSetup
-from grainfit.bulk_tests.shear_cell.view import ShearCellView
+from grainfit.bulk_tests.shear_cell.view import ShearCellView, draw_shear_cell
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Check, Found, check
 from grainfit.contact_models.registry import COHESION
