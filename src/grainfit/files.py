@@ -10,6 +10,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from grainfit import platforms
+
 #: Largest files that are read, bytes. A file of the wrong name must not fill the memory.
 LARGEST_CALIBRATION_FILE = 1_000_000
 #: Python takes about 1 kB of memory for a byte of code.
@@ -71,7 +73,7 @@ def open_regular(path: Path) -> BinaryIO:
         It cannot be opened, or is a pipe, a socket or a device.
     """
     # A pipe would be opened only when somebody writes to it.
-    file = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
+    file: BinaryIO = os.fdopen(platforms.open_to_read(path), "rb")
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
     file.close()
@@ -130,9 +132,8 @@ def in_place_of(path: Path) -> Iterator[Path]:
     temporary = target.with_name(f".{target.name}.{os.getpid()}.new")
     try:
         yield temporary
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        temporary.replace(target)
+        platforms.write_to_disk(temporary)
+        platforms.replace(temporary, target)
     except BaseException:
         with suppress(OSError):
             temporary.unlink()
@@ -185,7 +186,7 @@ def end_of_file(file: int) -> str:
     # Not by seek: the position in an open file is shared with the program that writes it.
     size = os.fstat(file).st_size
     start = max(0, size - _LOG_BYTES)
-    return os.pread(file, size - start, start).decode("utf-8", errors="replace")
+    return platforms.read_at(file, size - start, start).decode("utf-8", errors="replace")
 
 
 def last_lines(text: str, lines: int = 20) -> str:

@@ -83,9 +83,9 @@ def test_the_same_folder_on_another_machine_has_no_name(
     sign(tmp_path)
     other = tmp_path / "boot_id"
     other.write_text("00000000-0000-0000-0000-000000000000\n")
-    monkeypatch.setattr("grainfit.campaign.store.owner._BOOT", other)
+    monkeypatch.setattr("grainfit.platforms.BOOT_ID", other)
     assert earlier_owner(tmp_path) is None
-    monkeypatch.setattr("grainfit.campaign.store.owner._BOOT", tmp_path / "none")
+    monkeypatch.setattr("grainfit.platforms.BOOT_ID", tmp_path / "none")
     sign(tmp_path)
     assert earlier_owner(tmp_path) is None
 

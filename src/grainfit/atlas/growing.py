@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -54,14 +53,14 @@ def made(kind: type[BulkTest], number: int) -> Row:
     except GrainfitError as error:
         return Row(number, seed, inputs, "", {}, str(error), 0.0, "")
     row = partial(Row, number, seed, inputs, identity_of_row(kind, inputs))
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    before = os.times().children_user
     found, why = {}, ""
     with tempfile.TemporaryDirectory() as folder:
         try:
             found = scalars(solver.run({}, seed, Workspace(Path(folder))))
         except GrainfitError as error:
             why = str(error)
-    seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    seconds = os.times().children_user - before
     units = {name: ROW_SCALE.of(info.unit) for name, info in kind.responses.items()}
     responses = {
         name: (

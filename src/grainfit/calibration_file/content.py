@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
+from grainfit import platforms
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.instrument import Instrument
 from grainfit.calibration.options import CalibrationOptions
@@ -213,4 +213,4 @@ class CalibrationFile:
     @property
     def cores(self) -> int:
         """Number of cores that this process may use."""
-        return len(os.sched_getaffinity(0))
+        return platforms.cores()

@@ -10,7 +10,6 @@ is in use.
 from __future__ import annotations
 
 import errno
-import fcntl
 import os
 import socket
 import threading
@@ -21,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
+from grainfit import platforms
 from grainfit.campaign import messages
 from grainfit.errors import StoreError
 from grainfit.files import is_irregular
@@ -45,7 +45,7 @@ def _let_go() -> None:
 
 # Workers of a pool are forked with all open files and outlive a process that is killed. They must
 # not keep the lock.
-os.register_at_fork(after_in_child=_let_go)
+platforms.after_fork_in_child(_let_go)
 
 
 @contextmanager
@@ -98,7 +98,7 @@ def is_held(folder: Path) -> bool:
     """Return True if a process uses the folder now."""
     try:
         with (folder / "lock").open("r", encoding="utf-8") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            platforms.lock(file, shared=True)
     except BlockingIOError:
         return True
     except OSError:
@@ -127,10 +127,7 @@ class Signature:
     @classmethod
     def own(cls) -> Signature:
         """Return the signature of this process."""
-        boot = ""
-        with suppress(OSError):
-            boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="utf-8").strip()
-        return cls(str(os.getpid()), socket.gethostname(), boot)
+        return cls(str(os.getpid()), socket.gethostname(), platforms.boot_id())
 
     @classmethod
     def read(cls, path: Path) -> Signature:
@@ -158,8 +155,10 @@ def _lock(file: TextIO, folder: Path) -> bool:
     deadline = time.monotonic() + _LOCK_SECONDS
     while True:
         try:
-            _try_locks_of_sqlite(file)
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # SQLite would report a lock that is missing as busy. Tried first: NFS makes one kind of
+            # lock of both, which is free again before the other one is taken.
+            platforms.try_record_lock(file)
+            platforms.lock(file)
             return True
         except BlockingIOError:
             if time.monotonic() > deadline:
@@ -172,13 +171,6 @@ def _lock(file: TextIO, folder: Path) -> bool:
             else:
                 text = messages.NO_LOCKS(folder=path, reason=reason, remedy=_ANOTHER)
             raise StoreError(text) from error
-
-
-def _try_locks_of_sqlite(file: TextIO) -> None:
-    """Lock and unlock a file as SQLite does, which would report a lock that is missing as busy."""
-    # NFS makes one kind of lock of both: it is free again before the other one is taken.
-    fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    fcntl.lockf(file, fcntl.LOCK_UN)
 
 
 def _is_touched(path: Path) -> bool:
@@ -206,7 +198,7 @@ def _signed(file: TextIO) -> Iterator[None]:
     own = Signature.own()
     _write(file, f"{own.process} {own.host} {own.boot}\n")
     ended = threading.Event()
-    beat = threading.Thread(target=_beat, args=(file.fileno(), ended), daemon=True)
+    beat = threading.Thread(target=_beat, args=(platforms.touchable(file), ended), daemon=True)
     beat.start()
     try:
         yield
@@ -223,7 +215,7 @@ def _write(file: TextIO, text: str) -> None:
         os.write(file.fileno(), text.encode())
 
 
-def _beat(descriptor: int, ended: threading.Event) -> None:
+def _beat(file: int | str, ended: threading.Event) -> None:
     while not ended.wait(_BEAT_SECONDS):
         with suppress(OSError):
-            os.utime(descriptor)
+            os.utime(file)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from contextlib import suppress
 from pathlib import Path
+
+from grainfit import platforms
 
 RESERVE_NAME = "reserve"
 _BYTES = 4_000_000
@@ -39,7 +40,7 @@ class Reserve:
             return
         try:
             with path.open("wb") as file:
-                os.posix_fallocate(file.fileno(), 0, _BYTES)
+                platforms.set_space_aside(file.fileno(), _BYTES)
         except OSError:
             path.unlink(missing_ok=True)
             raise

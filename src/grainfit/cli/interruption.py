@@ -14,6 +14,7 @@ from typing import Any
 import typer
 from typing_extensions import override
 
+from grainfit import platforms
 from grainfit.cli import messages
 from grainfit.cli.consoles import err
 from grainfit.cli.exit_codes import INTERRUPTED
@@ -21,7 +22,7 @@ from grainfit.cli.help_texts import GroupWithSummaries
 from grainfit.errors import GrainfitError
 
 #: Sent together by a closed terminal or the end of a session; they count as one.
-_SENT_BY_OTHERS = (signal.SIGTERM, signal.SIGHUP)
+_SENT_BY_OTHERS = platforms.signals("SIGTERM", "SIGHUP")
 _TOGETHER_SECONDS = 2.0
 _AGAIN_SECONDS = 0.1
 
@@ -46,7 +47,7 @@ class Interruption:
     def listen(self) -> None:
         """Raise `KeyboardInterrupt` for the signals from now on."""
         signal.signal(signal.SIGTERM, self._interrupt)
-        for number in (signal.SIGINT, signal.SIGHUP):
+        for number in platforms.signals("SIGINT", "SIGHUP"):
             if signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, self._interrupt)
         sys.unraisablehook = self._interrupt_again
@@ -62,7 +63,7 @@ class Interruption:
                 signal.signal(number, leave)
 
     def _interrupt(self, number: int, _frame: FrameType | None) -> None:
-        if number == signal.SIGHUP:
+        if number in platforms.signals("SIGHUP"):
             _leave_terminal()
         now = time.monotonic()
         if number in _SENT_BY_OTHERS and now - self._last < _TOGETHER_SECONDS:
@@ -75,7 +76,8 @@ class Interruption:
         """Repeat an interrupt that came where Python cannot raise it, such as in a destructor."""
         if issubclass(ignored.exc_type, KeyboardInterrupt):
             self._last = float("-inf")
-            threading.Timer(_AGAIN_SECONDS, os.kill, (os.getpid(), signal.SIGTERM)).start()
+            again = platforms.send_to_itself
+            threading.Timer(_AGAIN_SECONDS, again, (signal.SIGTERM,)).start()
         else:
             sys.__unraisablehook__(ignored)
 

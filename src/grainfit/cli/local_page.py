@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
-import threading
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated
 
@@ -44,7 +44,9 @@ def serve_page(server: LocalServer, word: str, open_page: bool) -> None:
         if open_page:
             server.add_ticket(ticket)
             open_address(address_of(server.socket, ticket))
-        threading.Event().wait()
+        # On Windows, Ctrl-C ends a sleep, but not an event that is waited for.
+        while True:
+            time.sleep(3600)
 
 
 def print_address(console: Console, word: str, address: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from grainfit import platforms
 from grainfit.cli import console as show
 from grainfit.cli import messages
 from grainfit.cli.consoles import err
@@ -117,7 +117,7 @@ def _execute(command: str, environment: dict[str, str]) -> str:
         env=environment,
         stdin=subprocess.DEVNULL,
         # All that a shell starts ends with it.
-        start_new_session=True,
+        **platforms.apart(),
     )
     try:
         code = process.wait(LONGEST_SECONDS)
@@ -126,6 +126,6 @@ def _execute(command: str, environment: dict[str, str]) -> str:
     finally:
         if process.returncode is None:
             with suppress(OSError):
-                os.killpg(process.pid, signal.SIGKILL)
+                platforms.signal_group(process.pid, platforms.STRONGEST_SIGNAL)
             process.wait()
     return f"exit code {code}" if code else ""

@@ -7,6 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from grainfit import platforms
 from grainfit.files import end_of_file
 
 #: Last part of what the process said that is shown, characters.
@@ -37,7 +38,7 @@ class RunProcess:
             stdout=self._said,
             stderr=subprocess.STDOUT,
             # Ctrl-C ends the page, not the calibration.
-            start_new_session=True,
+            **platforms.apart(),
         )
 
     @property

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
+from grainfit import platforms
 from grainfit.campaign.folder_lock import Signature, holder, is_held
 from grainfit.errors import GrainfitError
 from grainfit.watch import messages
@@ -49,9 +48,11 @@ def _holding_process(folder: Path) -> Iterator[Callable[[], None]]:
         raise CannotStopError(messages.ANOTHER_MACHINE(**about))
     if not is_held(folder):
         raise CannotStopError(messages.NOT_IN_USE())
+    if not platforms.CAN_INTERRUPT:
+        raise CannotStopError(messages.NO_SIGNALS(process=signature.process))
     try:
         process = int(signature.process)
-        with _pinned(process) as send:
+        with platforms.pinned(process) as send:
             if not _has_open(process, folder / "lock"):
                 raise CannotStopError(_unknown(signature))
             yield partial(send, _interrupt_of(process))
@@ -59,23 +60,6 @@ def _holding_process(folder: Path) -> Iterator[Callable[[], None]]:
         raise CannotStopError(messages.ANOTHER_USER(process=signature.process)) from error
     except (OSError, ValueError, OverflowError) as error:
         raise CannotStopError(_unknown(signature)) from error
-
-
-@contextmanager
-def _pinned(process: int) -> Iterator[Callable[[signal.Signals], None]]:
-    """Yield what sends a signal to a process, and not to a later one of the same number."""
-    try:
-        descriptor = os.pidfd_open(process)
-    except OSError as error:
-        if error.errno != errno.ENOSYS:
-            raise
-        # Linux before 5.3.
-        yield partial(os.kill, process)
-        return
-    try:
-        yield partial(signal.pidfd_send_signal, descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _unknown(signature: Signature) -> str:

@@ -12,6 +12,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
+from grainfit import platforms
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.user_function import call, name_of
 from grainfit.errors import RunFailedError
@@ -28,7 +29,7 @@ def require_return(function: PythonFile, possible: Mapping[str, Any], limit: flo
 
     Its errors are left to the call that follows; only the end of Python and a loop without end are
     found here, and remembered. A process with several threads tries nothing: its child could wait
-    for their locks.
+    for their locks. Windows, which does not fork, tries nothing either.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def require_return(function: PythonFile, possible: Mapping[str, Any], limit: flo
     RunFailedError
         The function ended Python, crashed it, or did not return in time.
     """
-    if threading.active_count() > 1:
+    if threading.active_count() > 1 or not platforms.HAS_FORK:
         return
     key = (f"{function.path}:{function.function}", function.source)
     if key not in _outcomes:
@@ -57,7 +58,7 @@ def _outcome(
     function: PythonFile, possible: Mapping[str, Any], limit: float
 ) -> RunFailedError | None:
     """Call a function in a child process; return why it must not be called in this one."""
-    context = multiprocessing.get_context("fork")
+    context: Any = multiprocessing.get_context("fork")
     here, there = context.Pipe(duplex=False)
     child = context.Process(target=_call, args=(function, possible, there), daemon=True)
     child.start()

@@ -14,11 +14,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from grainfit import platforms
 from grainfit.files import write_atomically
 
 OWNER_NAME = "owner"
-#: Differs between machines, and is the same in all containers of one.
-_BOOT = Path("/proc/sys/kernel/random/boot_id")
 
 
 def earlier_owner(folder: Path) -> str | None:
@@ -53,9 +52,9 @@ def note_owner(folder: Path, name: str) -> None:
 
 def _place(folder: Path) -> list[Any] | None:
     """Return what only this folder has on all machines, until the machine starts again."""
+    boot = platforms.boot_id()
     try:
-        boot = _BOOT.read_text(encoding="ascii").strip()
         found = folder.stat()
     except OSError:
         return None
-    return [boot, found.st_dev, found.st_ino]
+    return [boot, found.st_dev, found.st_ino] if boot else None

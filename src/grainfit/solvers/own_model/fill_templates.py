@@ -9,10 +9,10 @@ it starts fast.
 
 import json
 import os
-import resource
 import sys
 import traceback
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,6 +23,10 @@ from jinja2.sandbox import SandboxedEnvironment
 #: Name of all values in templates, for those that are no names in Jinja2.
 ALL_VALUES = "parameters"
 _GIB = 2**30
+#: Limits of a process; Windows has none.
+_limits: Any = None
+with suppress(ImportError):
+    import resource as _limits
 
 
 def open_environment(read: Callable[[str], bytes]) -> SandboxedEnvironment:
@@ -147,14 +151,20 @@ def _line(error: Exception) -> str:
 
 
 def _within() -> str:
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return "" if limit == resource.RLIM_INFINITY else f" within {limit / _GIB:.2g} GiB of memory"
+    if _limits is None:
+        return ""
+    limit = _limits.getrlimit(_limits.RLIMIT_AS)[0]
+    return "" if limit == _limits.RLIM_INFINITY else f" within {limit / _GIB:.2g} GiB of memory"
 
 
 def _limit_memory(limit: int) -> None:
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    given = [number for number in (limit, soft, hard) if number != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_AS, (min(given), hard))
+    if _limits is None:
+        return
+    soft, hard = _limits.getrlimit(_limits.RLIMIT_AS)
+    given = [number for number in (limit, soft, hard) if number != _limits.RLIM_INFINITY]
+    # macOS takes no such limit.
+    with suppress(ValueError):
+        _limits.setrlimit(_limits.RLIMIT_AS, (min(given), hard))
 
 
 def main() -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import time
 from collections.abc import Collection, Sequence
 from contextlib import suppress
 
 import psutil
+
+from grainfit import platforms
 
 GRACE_SECONDS = 2.0
 _POLL_SECONDS = 0.02
@@ -21,9 +21,10 @@ def end_process_group(leader: int) -> None:
     Nothing happens if it has already ended.
     """
     family = _descendants(leader)
-    for number, grace in ((signal.SIGTERM, GRACE_SECONDS), (signal.SIGKILL, 0.0)):
+    ends = platforms.signals("SIGTERM", "SIGKILL")
+    for number, grace in zip(ends, (GRACE_SECONDS, 0.0), strict=False):
         try:
-            os.killpg(leader, number)
+            platforms.signal_group(leader, number)
         except (ProcessLookupError, PermissionError):
             break
         _wait_for_end([leader], grace)

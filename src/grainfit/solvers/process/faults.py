@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from grainfit import platforms
 from grainfit.errors import FailureKind
 from grainfit.messages import Message
 from grainfit.solvers.process import messages
@@ -24,8 +25,8 @@ _SIGNAL_CODES = 128
 #: Exit code of Python launchers, such as the ``lmp`` that pip installs: this minus the signal. Only
 #: for the usual signals: other programs end with -1 or -2 for different reasons.
 _NEGATED_CODES = 256
-_USUAL_ENDS = tuple(
-    getattr(signal, f"SIG{name}") for name in ("SEGV", "KILL", "ABRT", "BUS", "FPE", "ILL", "TERM")
+_USUAL_ENDS = platforms.signals(
+    "SIGSEGV", "SIGKILL", "SIGABRT", "SIGBUS", "SIGFPE", "SIGILL", "SIGTERM"
 )
 _NOT_STARTED_CODES = (126, 127)
 
@@ -62,13 +63,17 @@ _RANK_LOST = re.compile(
     r"process manager error|Fatal error in \w+: Other MPI error|has lost communication with"
 )
 _NAMES = {
-    "Segmentation fault": signal.SIGSEGV,
-    "Killed": signal.SIGKILL,
-    "Aborted": signal.SIGABRT,
-    "Bus error": signal.SIGBUS,
-    "Floating point exception": signal.SIGFPE,
-    "Illegal instruction": signal.SIGILL,
-    "Terminated": signal.SIGTERM,
+    words: number
+    for words, name in {
+        "Segmentation fault": "SIGSEGV",
+        "Killed": "SIGKILL",
+        "Aborted": "SIGABRT",
+        "Bus error": "SIGBUS",
+        "Floating point exception": "SIGFPE",
+        "Illegal instruction": "SIGILL",
+        "Terminated": "SIGTERM",
+    }.items()
+    for number in platforms.signals(name)
 }
 _NAMED = "|".join(_NAMES)
 #: Open MPI and its successors; Intel MPI; MPICH's Hydra; bash, srun and other shells.
@@ -82,8 +87,7 @@ _SIGNALLED = (
 )
 #: Signals sent from outside, by the system or a user; all others come from the program itself.
 _OUTSIDE = frozenset(
-    getattr(signal, name)
-    for name in ("SIGKILL", "SIGTERM", "SIGHUP", "SIGINT", "SIGXCPU", "SIGXFSZ", "SIGUSR1")
+    platforms.signals("SIGKILL", "SIGTERM", "SIGHUP", "SIGINT", "SIGXCPU", "SIGXFSZ", "SIGUSR1")
 )
 
 
@@ -169,7 +173,7 @@ def _cause_of_signal(killed: Message, program: str, number: int) -> Cause:
         name = signal.Signals(number).name
     except ValueError:
         name = messages.SIGNAL(number=number)
-    if number == signal.SIGKILL:
+    if number in platforms.signals("SIGKILL"):
         name = messages.OUT_OF_MEMORY(signal=name)
     reason = killed(program=program, signal=name)
     return Cause(reason, "machine" if number in _OUTSIDE else "simulation")

@@ -21,13 +21,13 @@ from pathlib import Path
 
 import psutil
 
+from grainfit import platforms
 from grainfit.solvers.process.ending import end_processes, is_alive
 
 #: Environment variable of all processes of a run.
 MARK = "GRAINFIT_RUN"
 #: File in a run folder, as long as a program runs there: number and start of its first process.
 _SESSION_NAME = ".session"
-_BOOT = Path("/proc/sys/kernel/random/boot_id")
 #: A process may start others while it is ended.
 _ROUNDS = 5
 
@@ -47,7 +47,8 @@ def record_session(folder: Path, leader: int) -> None:
     """Record the session of a run, which its first process leads, in the run folder."""
     # The run does not depend on this file: a full disk is reported where the run itself needs it.
     with suppress(OSError):
-        (folder / _SESSION_NAME).write_text(f"{leader} {_start_of(leader)}\n", encoding="utf-8")
+        text = f"{leader} {platforms.start_of(leader)}\n"
+        (folder / _SESSION_NAME).write_text(text, encoding="utf-8")
 
 
 def forget_session(folder: Path) -> None:
@@ -89,7 +90,7 @@ def _processes_of_this_user() -> Iterator[psutil.Process]:
     for pid in psutil.pids():
         with suppress(psutil.Error):
             process = psutil.Process(pid)
-            if process.uids().real == os.getuid() and process.status() != psutil.STATUS_ZOMBIE:
+            if platforms.is_of_this_user(process) and process.status() != psutil.STATUS_ZOMBIE:
                 yield process
 
 
@@ -101,7 +102,7 @@ def _mark_in(process: psutil.Process) -> str:
 
 def _session_of(pid: int) -> int:
     with suppress(OSError):
-        return os.getsid(pid)
+        return platforms.session_of(pid)
     # The process has just ended.
     return pid
 
@@ -132,16 +133,9 @@ def _recorded_session(folder: Path) -> int | None:
     try:
         number, _, start = (folder / _SESSION_NAME).read_text(encoding="utf-8").partition(" ")
         leader = int(number)
-        return leader if start.strip() == _start_of(leader) else None
+        return leader if start.strip() == platforms.start_of(leader) else None
     except (OSError, ValueError):
         return None
-
-
-def _start_of(pid: int) -> str:
-    """Return boot and start of a process, in ticks: independent of clocks, which may jump."""
-    after_name = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2]
-    # The fields after the name begin with the third; the start is the 22nd.
-    return f"{_BOOT.read_text(encoding='utf-8').strip()} {after_name.split()[19]}"
 
 
 def _this_process_and_its_ancestors() -> set[int]:

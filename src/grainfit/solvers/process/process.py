@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 
+from grainfit import platforms
 from grainfit.errors import RunFailedError, SolverNotFoundError
 from grainfit.files import end_of_file, last_lines, log_tail, text_of
 from grainfit.solvers.base import Workspace
@@ -75,7 +76,7 @@ def run_process(
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 env={**os.environ, **_ENVIRONMENT, MARK: mark, **(environment or {})},
-                start_new_session=True,
+                **platforms.apart(),
             )
         # ValueError: an argument that no program can be given, such as one with a zero byte.
         except (OSError, ValueError) as error:

@@ -9,12 +9,12 @@ from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
+from grainfit import platforms
 from grainfit.solvers.process import messages
 from grainfit.solvers.process.faults import machine_error
 
 #: A disk with less free space than this is full.
 _ROOM_BYTES = 65536
-_READ = os.O_RDONLY | os.O_DIRECTORY
 
 
 class RunFolder:
@@ -31,8 +31,7 @@ class RunFolder:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._descriptor = os.open(path, _READ)
-        self._identity = _identity(self._descriptor)
+        self._opened = platforms.OpenFolder(path)
 
     def __enter__(self) -> RunFolder:
         """Return the folder."""
@@ -45,23 +44,21 @@ class RunFolder:
         trace: TracebackType | None,
     ) -> None:
         """Close the folder."""
-        os.close(self._descriptor)
+        self._opened.close()
 
     def is_gone(self) -> bool:
         """Return True if the folder was removed, renamed, or replaced by another one."""
         # A network file system refreshes a folder when it is opened, not when it is looked up: to
         # notice a renamed folder, its parent must be opened, too.
         with suppress(OSError):
-            os.close(os.open(self.path.parent, _READ))
+            platforms.OpenFolder(self.path.parent).close()
         try:
-            found = os.open(self.path, _READ)
+            found = platforms.OpenFolder(self.path)
         except OSError as error:
             # A server that does not answer for a while has not lost the folder.
             return error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ESTALE)
-        try:
-            return _identity(found) != self._identity
-        finally:
-            os.close(found)
+        found.close()
+        return found.identity != self._opened.identity
 
     def fault(self) -> str:
         """Return the reason why the folder is not writable, in one line; empty if it is."""
@@ -76,14 +73,9 @@ class RunFolder:
     def _write(self) -> None:
         file, name = tempfile.mkstemp(dir=self.path, prefix=".room")
         try:
-            os.posix_fallocate(file, 0, _ROOM_BYTES)
+            platforms.set_space_aside(file, _ROOM_BYTES)
             # Some file systems report a full disk only now.
             os.fsync(file)
         finally:
             os.close(file)
             Path(name).unlink()
-
-
-def _identity(descriptor: int) -> tuple[int, int]:
-    found = os.fstat(descriptor)
-    return found.st_dev, found.st_ino

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
+from grainfit import platforms
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.materials.walls import plain_name
@@ -88,6 +88,6 @@ class Liggghts(DeckSolver):
         # With core binding, several runs would share the first cores; waiting ranks must yield.
         launcher = [self._launcher(), "-n", str(self.ranks), "--bind-to", "none"]
         launcher += ["--mca", "mpi_yield_when_idle", "1"]
-        if os.geteuid() == 0:
+        if platforms.is_root():
             launcher.append("--allow-run-as-root")
         return launcher + command
