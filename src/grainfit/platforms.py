@@ -105,6 +105,11 @@ def read_at(file: int, size: int, start: int) -> bytes:
         os.lseek(file, position, os.SEEK_SET)
 
 
+def make_nonblocking(file: int) -> None:
+    """Let nobody wait who reads an open pipe; not on Windows."""
+    _os.set_blocking(file, False)
+
+
 def write_to_disk(path: Path) -> None:
     """Wait until the contents of a file are on the disk."""
     # Windows refuses it for a file that is open for reading.

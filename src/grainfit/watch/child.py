@@ -22,7 +22,7 @@ from grainfit.watch.server import WatchServer
 
 _LOOK_SECONDS = 0.5
 #: Longest time to wait for the page where the process has to open its port itself, s.
-_START_SECONDS = 10.0
+_START_SECONDS = 60.0
 #: Time for browsers to receive the last state, s.
 _FAREWELL_SECONDS = 2.0
 
@@ -109,7 +109,7 @@ def _wait_for_end(parent: int) -> None:
         while os.read(0, 1024):
             pass
         return
-    os.set_blocking(0, False)  # type: ignore[attr-defined, unused-ignore]
+    platforms.make_nonblocking(0)
     while os.getppid() == parent:
         try:
             if os.read(0, 1024) == b"":

@@ -15,6 +15,10 @@ YADE_ON_ONE_CORE = Message(
     "Leave it out; several runs go at a time.",
 )
 NOT_FOUND = Message("{title} ({program}) is not found.", "{install}")
+NOT_FOUND_ON_WINDOWS = Message(
+    "{title} ({program}) is not found.",
+    'On Windows, run it in the container: docker run --rm -v "${{PWD}}:/work" grainfit run FILE',
+)
 DOES_NOT_RUN = Message("{program} does not run: {error}.", "{install}")
 IS_ANOTHER_PROGRAM = Message("{program} does not run as {title} does.", "{install}")
 WITHOUT_GRANULAR = Message(

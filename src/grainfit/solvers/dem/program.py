@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Self
 
 from typing_extensions import override
 
+from grainfit import platforms
 from grainfit.bulk_tests.abilities import material_faults, user_functions, worse_ends
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.conditions import conditions_of
@@ -496,6 +497,10 @@ class DeckSolver(Solver):
         found = self._find(self.executable or self.usual_name)
         if found is None:
             name = self.executable or self.usual_name
+            if not platforms.HAS_FORK:
+                raise SolverNotFoundError(
+                    messages.NOT_FOUND_ON_WINDOWS(title=self.title, program=name)
+                )
             raise SolverNotFoundError(
                 messages.NOT_FOUND(title=self.title, program=name, install=self.install)
             )
