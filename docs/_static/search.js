@@ -10,7 +10,7 @@ const USES = {
   "questions": "how long does it take, how long, duration, time of a calibration, how many runs, "
     + "which solver, undecided, out of tolerance, error message, failed run, troubleshooting, faq",
   "installing": "install, installation, windows, wsl, macos, docker, container, conda, ubuntu, debian",
-  "funnel_test": "funnel, poured heap, poured angle of repose, funnel test, iso 4324, astm c1444",
+  "funnel_test": "funnel, funnel angle of repose, poured heap, poured angle of repose, funnel test, iso 4324, astm c1444",
   "heap_test": "heap, angle of repose, lifted cylinder, hollow cylinder, aor, sandpile",
   "hopper_test": "hopper, conical hopper, wedge hopper, silo, discharge time, stop watch, "
     + "flow meter, beverloo, mass flow hopper",
@@ -88,6 +88,8 @@ const USES = {
     + "wood pellets, soybean, coal, cement, polypropylene, fertiliser, sand, wheat, corn, granulate",
 };
 const LAST = /^(developers|studies)\/|^generated\/(changelog|contributing)$|^architecture$|^building_the_site$/;
+// Of pages that hold the words alike: keys of the file first, then what is made from docstrings.
+const WEIGHTS = [[LAST, -100], [/^generated\//, -2], [/^reference\/calibration_file\//, 1], [/./, 0]];
 const ASKING = "a an and are be can do does for from get give how i if in into is it me my need of on or our"
   + " should the there this to use we what when where which who why will with you your";
 
@@ -112,7 +114,7 @@ const pagesForUse = (query) => {
 };
 
 var Scorer = {
-  score: ([page, , , , score]) => (LAST.test(page) ? score - 100 : score),
+  score: ([page, , , , score]) => score + WEIGHTS.find(([pages]) => pages.test(page))[1],
   objNameMatch: 6,
   objPartialMatch: 3,
   objPrio: { 0: 4, 1: 2, 2: -5 },

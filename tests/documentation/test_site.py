@@ -35,6 +35,7 @@ FIRST_HITS = {
     "funnel": "funnel_test",
     "poured angle of repose": "funnel_test",
     "angle of repose": "heap_test",
+    "angle of repose with a funnel": "funnel_test",
     "hopper": "hopper_test",
     "silo and a stop watch": "hopper_test",
     "ring shear tester": "shear_cell_test",
@@ -62,6 +63,8 @@ FIRST_HITS = {
     "jupyter notebook": "generated/notebooks/plot_bouncing_bead",
     "STL file of a hopper": "own_scenes",
 }
+#: Words of many pages.
+FULL_TEXT = ("LAMMPS", "time step", "cylinder_radius")
 #: Pages that come last, unless a query asks for them.
 DEVELOPERS = ("developers/", "studies/", "architecture", "building_the_site", "generated/c")
 #: Searches as a page of the site does; its argument is JSON: scripts to load, then queries.
@@ -89,7 +92,7 @@ needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="Node.js is
 
 def searched(*scripts: Path) -> tuple[dict[str, list[str]], list[str]]:
     """Return the pages that the queries find, and the pages that have uses."""
-    given = json.dumps([list(map(str, scripts)), [*FIRST_HITS, "LAMMPS", "time step"]])
+    given = json.dumps([list(map(str, scripts)), [*FIRST_HITS, *FULL_TEXT]])
     done = subprocess.run(
         ["node", "-e", SEARCH, given], capture_output=True, text=True, timeout=60, check=True
     )
@@ -136,10 +139,11 @@ def test_the_site_is_built_without_a_warning(theme: str, tmp_path: Path) -> None
         tools, language = site / "_static" / "searchtools.js", site / "_static" / "language_data.js"
         found, _ = searched(tools, language, site / "searchindex.js")
         assert {query: found[query][0] for query in FIRST_HITS} == FIRST_HITS
-        for query in ("LAMMPS", "time step"):
+        for query in FULL_TEXT:
             last = [page.startswith(DEVELOPERS) for page in found[query]]
             assert any(last)
             assert last == sorted(last), query
+        assert found["cylinder_radius"][0].startswith("reference/calibration_file/tests/")
 
 
 def test_dir_shows_the_names_of_the_reference_and_no_others() -> None:
