@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 #: Focal length of a picture that does not tell it, over its longer side: 29 mm on film, as the main
 #: camera of telephones; and the range of it, from a wide one to a tele lens.
 USUAL_FOCAL, FOCAL_RANGE = 0.8, (0.7, 4.0)
+#: What is left of the depth of the lower edge of a heap once its gaps are closed.
+_CLOSED = 0.7
 
 
 def apparent_angle(angle: float, elevation: float) -> float:
@@ -147,6 +149,25 @@ class Foot:
     radius: float
 
 
+def _depth_in_front(sine: float) -> float:
+    """Depth of the lower edge of a heap behind that of a full ring of particles, in diameters.
+
+    As `grainfit.measurement.angle_of_repose.outline_depth`, for the wedge between the plate and the
+    flank: centres are spread at random, and a column of the picture shows a sphere within the depth
+    g unless a volume of ``16/15 sqrt(d g) g^2 / (2 s)`` holds none, with
+    ``s = sin e (cos e + sin e / tan a)``. An inclination a of 30 degrees is near enough.
+
+    Parameters
+    ----------
+    sine : float
+        Of the elevation e of the camera.
+    """
+    sine = min(max(sine, 0.0), 1.0)
+    wedge = sine * (math.sqrt(1 - sine**2) + math.sqrt(3) * sine)
+    number = 0.6 / (math.pi / 6)
+    return _CLOSED * math.gamma(1.4) * (8 / 15 * number / max(wedge, 1e-9)) ** -0.4
+
+
 def foot_of(
     arc: Array,
     focal: float,
@@ -159,7 +180,8 @@ def foot_of(
     """Fit the circle of the outermost particles of a heap to the lower edge of its picture.
 
     The circle is in perspective. The edge is that of spheres whose centres are on the circle: it
-    is farther out than the circle by half a particle diameter.
+    is farther out than the circle by half a particle diameter, less what there is between the
+    foremost particles (`_depth_in_front`).
 
     Parameters
     ----------
@@ -183,6 +205,7 @@ def foot_of(
     depth = max(float(arc[:, 1].max() - centre[1]), 1.0)
     # The front, from left to right; the back of a heap is hidden.
     turn = np.radians(np.linspace(0, 360, 181) if whole else np.linspace(172, 368, 99))
+    in_front = np.maximum(np.sin(turn), 0.0)
     offset = np.array(middle)
 
     def edge(guess: Array) -> tuple[Array, Array]:
@@ -196,7 +219,8 @@ def foot_of(
         tangent = np.gradient(places, axis=0)
         tangent /= np.linalg.norm(tangent, axis=1)[:, None]
         normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
-        return places + particle / 2 * normal, normal
+        offset_of_edge = particle * (0.5 - _depth_in_front(-float(towards @ upward)) * in_front)
+        return places + offset_of_edge[:, None] * normal, normal
 
     def misfit(guess: Array) -> Array:
         points, normal = edge(guess)
@@ -218,15 +242,18 @@ def foot_of(
         [0.0, -0.3, *(centre - half), 0.5 * half / focal],
         [1.2, 0.3, *(centre + half), 2 * half / focal],
     )
-    fit = least_squares(
-        misfit,
-        start,
-        x_scale=scale,
-        bounds=limits,
-        loss="soft_l1",
-        f_scale=max(particle / 4, 1.0),
-        max_nfev=100,
-    )
+    # Robust weights alone find no way from a start that is far off: only few places are seen.
+    for loss in ("linear", "soft_l1"):
+        fit = least_squares(
+            misfit,
+            start,
+            x_scale=scale,
+            bounds=limits,
+            loss=loss,
+            f_scale=max(particle / 4, 1.0),
+            max_nfev=100,
+        )
+        start = fit.x
     # Neighbouring places of the edge show the same particle.
     length = float(np.abs(np.diff(arc[:, 0])).sum())
     independent = max(length / max(2 * particle, 4.0), 6.0)

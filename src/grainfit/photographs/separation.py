@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from grainfit.errors import NotMeasurableError
 from grainfit.photographs import messages
@@ -31,6 +32,9 @@ _AS_LIKE = 0.06
 #: Contrast of a part with its surroundings from which it stands out; and how much higher the apex
 #: is than the foot is deep: a plate alone is as high as deep.
 _STANDS_OUT, _HIGHER = 1.5, 1.2
+#: Particles of the heap that classes missed are looked for within this share of its width. Their
+#: colours, in steps of so much lightness or hue, are this many times as frequent in the heap.
+_AROUND, _COLOUR_STEP, _MORE_FREQUENT = 0.1, 4.0, 3.0
 #: Share of the area of the largest heap from which another one is a second heap.
 _SECOND = 0.3
 #: Half the width of the band in which the edge is found, in pixels of the classes.
@@ -159,10 +163,35 @@ def _rough_heap(lab: Array) -> Mask:
         if apart and other.likeness > _LIKE_A_CONE and _SECOND < share < 1 / _SECOND:
             raise NotMeasurableError(messages.TWO_HEAPS(share=100 * min(share, 1 / share)))
     large = cv2.resize(
-        heap.mask.astype(np.float32), (columns, rows), interpolation=cv2.INTER_LINEAR
+        _completed(small, heap.mask).astype(np.float32), (columns, rows), interpolation=cv2.INTER_LINEAR
     )
     found: Mask = large > 0.5
     return found
+
+
+def _completed(small: Array, heap: Mask) -> Mask:
+    """Return the heap with what touches it and has its colours: classes miss single particles.
+
+    A colour is that of the heap where it is more frequent in the heap than around it.
+    """
+    cv2 = opencv()
+    width = float(np.ptp(np.flatnonzero(heap.any(axis=0))))
+    reach = 2 * round(_AROUND * width) + 1
+    around = cv2.dilate(heap.astype(np.uint8), np.ones((reach, reach), np.uint8)).astype(bool)
+    beyond = around & ~cv2.dilate(heap.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool)
+    within = cv2.erode(heap.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+    if not beyond.any() or not within.any():
+        return heap
+    cells = np.moveaxis(np.round(small / _COLOUR_STEP).astype(np.int64), -1, 0)
+    cells -= cells.min(axis=(1, 2), keepdims=True)
+    shape = tuple(int(top) + 1 for top in cells.max(axis=(1, 2)))
+    flat = np.ravel_multi_index(tuple(cells), shape)
+    counts = [np.bincount(flat[part], minlength=math.prod(shape)) for part in (within, beyond)]
+    smooth = [ndimage.gaussian_filter(one.reshape(shape) / one.sum(), 1.0) for one in counts]
+    alike = (smooth[0] > _MORE_FREQUENT * smooth[1] + 1e-6).reshape(-1)[flat] & around
+    alike = cv2.morphologyEx(alike.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)) > 0
+    _, labels = cv2.connectedComponents((alike | heap).astype(np.uint8), connectivity=4)
+    return _filled(labels == np.bincount(labels[heap]).argmax())
 
 
 def _innermost(part: _Part, parts: list[_Part]) -> _Part:
