@@ -205,7 +205,7 @@ def foot_of(
     depth = max(float(arc[:, 1].max() - centre[1]), 1.0)
     # The front, from left to right; the back of a heap is hidden.
     turn = np.radians(np.linspace(0, 360, 181) if whole else np.linspace(172, 368, 99))
-    in_front = np.maximum(np.sin(turn), 0.0)
+    in_front = np.maximum(-np.sin(turn), 0.0)
     offset = np.array(middle)
 
     def edge(guess: Array) -> tuple[Array, Array]:
