@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 from pathlib import Path
 
@@ -12,11 +14,15 @@ from PIL import Image, ImageDraw, ImageFilter
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.calibration_file import messages as file_messages
+from grainfit.calibration_file.build import CalibrationSetup
+from grainfit.calibration_file.originals import keep_pictures
 from grainfit.cli.app import app
 from grainfit.measurement.height_map import height_map
 from grainfit.measurement.inclination import inclination_of_pile, inclination_of_wedges
 from grainfit.measurement.particles import Particles
 from grainfit.photographs import messages
+from tests.beads_file import BEADS
 
 #: Half the width of the box, of the slot and depth, in diameters; floor and shelf.
 HALF, SLOT, DEPTH = 12.0, 2.5, 6.0
@@ -128,4 +134,54 @@ def test_without_wedges_there_is_no_shear_angle_and_without_a_heap_nothing(
     ):
         with pytest.raises(gf.InputError) as error:
             gf.photo("one.png", "draw_down", **wrong)
+        assert why.is_in(str(error.value))
+
+
+BOXES = 'photos = ["box_*.png"], diameter = "10 mm"'
+
+
+def _load(folder: Path, targets: str, options: str = 'width = "240 mm"') -> CalibrationSetup:
+    test = f'[[test]]\ntype = "draw_down"\nsolver = "lammps"\n{options}\n'
+    (folder / "beads.toml").write_text(BEADS + test + targets)
+    return gf.load(folder / "beads.toml", folder / "work")
+
+
+def test_targets_of_the_file_are_what_the_pictures_tell_and_are_measured_once(
+    tmp_path: Path,
+) -> None:
+    picture(*drawn_down(30.0, 26.0, 0)).save(tmp_path / "box_1.png")
+    both = (
+        f'targets.shear_angle = {{ {BOXES}, tolerance = "2 deg" }}\n'
+        f"targets.angle_of_repose = {{ {BOXES} }}\n"
+    )
+    setup = _load(tmp_path, both)
+    alone = gf.photo(tmp_path / "box_1.png", "draw_down", diameter="10 mm", box="240 mm")
+
+    for target in setup.problem.targets:
+        found = alone.responses[target.name]
+        assert (target.value, target.uncertainty) == (
+            round(found.value, 2),
+            round(found.standard_error, 2),
+        )
+    digest = hashlib.sha256((tmp_path / "box_1.png").read_bytes()).hexdigest()
+    assert setup.provenance.pictures["shear_angle"] == {"box_1.png": digest}
+    kept = list((tmp_path / "work/photographs").glob("*/measured.json"))
+    assert len(kept) == 1
+    assert list(kept[0].parent.glob("box_1_measured.png"))
+
+    kept[0].write_text(
+        json.dumps({**json.loads(kept[0].read_text()), "angles": {"shear_angle": [33.0, 1.0]}})
+    )
+    shear = f"targets.shear_angle = {{ {BOXES} }}\n"
+    assert _load(tmp_path, shear).problem.targets[0].value == 33.0
+    keep_pictures(setup.file.photographed, tmp_path / "work", tmp_path)
+    (tmp_path / "box_1.png").rename(tmp_path / "kept.png")
+    moved = shear.replace("box_*", "box_1")
+    for targets, options, key, why in (
+        (moved, 'width = "240 mm"', "photos[0]", file_messages.MOVED_TO),
+        (shear.replace("box_*", "kept"), "", "diameter", file_messages.DIAMETER_WITHOUT_BOX),
+    ):
+        with pytest.raises(gf.InputError) as error:
+            _load(tmp_path, targets, options)
+        assert f"line 26, test 1, targets.shear_angle.{key}:" in str(error.value)
         assert why.is_in(str(error.value))

@@ -11,8 +11,10 @@ from PIL import Image, ImageDraw, ImageFilter
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.calibration_file import messages as file_messages
 from grainfit.cli.app import app
 from grainfit.photographs import messages
+from tests.beads_file import BEADS
 
 WIDTH, HEIGHT = 800, 600
 #: Row of the table at the left edge of the picture.
@@ -134,3 +136,35 @@ def test_the_command_prints_the_friction_on_a_wall(
     assert Image.open("overlays/plane_measured.png").size[0] == WIDTH
     wrong = CliRunner().invoke(app, ["photo", "--test", "slope", "--plate", "2 cm", "plane.png"])
     assert isinstance(wrong.exception, gf.InputError)
+
+
+def test_friction_on_a_wall_is_what_the_pictures_of_the_file_tell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    plane(22.3).save("plane_1.png")
+    slope = '{ photos = "plane_*.png", level = "0.1 deg" }'
+    heap = '[[test]]\ntype = "heap"\nsolver = "lammps"\ntargets.angle_of_repose.value = 25\n'
+
+    def write(name: str, value: str, key: str = "sliding_friction") -> Path:
+        lines = BEADS.split("[particle_wall]")
+        wall = lines[1].replace("sliding_friction = 0.5", "").replace("rolling_friction = 0.1", "")
+        others = {"sliding_friction": "0.5", "rolling_friction": "0.1", "restitution": "0.5"}
+        wall = wall.replace("restitution = 0.5", "")
+        given = "".join(f"{k} = {v}\n" for k, v in {**others, key: value}.items())
+        Path(name).write_text(f"{lines[0]}[particle_wall]\n{given}{wall}{heap}")
+        return Path(name)
+
+    setup = gf.load(write("beads.toml", slope))
+    alone = gf.photo("plane_1.png", "slope", level="0.1 deg").angle
+    given = f'measured_angle = "{alone.value:.2f}°", uncertainty = "{alone.standard_error:.2f}°"'
+    typed = gf.load(write("typed.toml", f"{{ {given} }}"))
+
+    assert [str(one) for one in setup.problem.parameters] == list(
+        map(str, typed.problem.parameters)
+    )
+    assert list(setup.provenance.pictures) == ["particle_wall.sliding_friction"]
+    said = CliRunner().invoke(app, ["check", "beads.toml"]).output
+    assert file_messages.REPEATS_PHOTOGRAPHED.is_in(said), said
+    with pytest.raises(gf.InputError, match=r"restitution\.photos: is not the tangent"):
+        gf.load(write("wrong.toml", slope, "restitution"))

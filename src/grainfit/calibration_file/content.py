@@ -181,13 +181,18 @@ class CalibrationFile:
 
     @property
     def photographed(self) -> list[tuple[str, PhotographedTarget]]:
-        """What was measured on photographs, by the name of the response in the problem."""
+        """What was measured on photographs, by response in the problem, or by parameter."""
         names = {test.number: test.name for test in self.tests}
         several = len(self.tests)
         return [
-            (response_name(names.get(one.test, ""), one.response, several), one)
+            (
+                response_name(names.get(one.test, ""), one.response, several)
+                if one.key.startswith("test[")
+                else one.key,
+                one,
+            )
             for one in self.photographs
-            if one.key.startswith("test[")
+            if not one.key.startswith("holdout[")
         ]
 
     @property

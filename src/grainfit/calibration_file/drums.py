@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.originals import NamedFile, begun_with, groups_of, note_target
-from grainfit.calibration_file.photographed import Original
-from grainfit.calibration_file.photos import OF_NUMBER, PHOTOS, in_words, planned_of, target_of
+from grainfit.calibration_file.photographed import PHOTOS, Original, in_words
+from grainfit.calibration_file.photos import OF_NUMBER, planned_of, target_of
 from grainfit.calibration_file.targets import Deviation, PlannedTargetTable, TargetTable
 from grainfit.errors import InputError
 from grainfit.evaluation import Response
@@ -128,10 +128,12 @@ def _number(key: str, test: Mapping[str, Any], values: Values, place: Place) -> 
     target = target_of(Response(*found.responses[place.key]), values, place, key)
     if target is None:
         return None
+    value, error = target.value, target.standard_uncertainty
     note_target(
         [Original(one.file, one.sha256, found.version, found.name, {}) for one in files.values()],
         messages.DRUM_PHOTOGRAPHED(
-            response=place.key.replace("_", " "), result=in_words(target, found.parts[place.key])
+            response=place.key.replace("_", " "),
+            result=in_words(value, error, found.parts[place.key]),
         ),
         said,
         place,

@@ -56,6 +56,15 @@ OTHER_SPEED = Message(
     "the drum turns at {found} in the video, and at {given} in the test, rotational_speed.",
     "Angles depend on the speed: give the test that of the video.",
 )
+REPEATS_PHOTOGRAPHED = Message("Photographs, {response}: {result}; measured pictures: {count}.")
+REPEAT_MEASURED = Message("{file}: {angle:.2f} deg")
+BOX_WITHOUT_DIAMETER = Message(
+    "is of use with the diameter of the particles only.", "Give the diameter, too, or leave it out."
+)
+DIAMETER_WITHOUT_BOX = Message(
+    "is of use with the width of the box only.",
+    "Give the box beside the diameter, or the test its width.",
+)
 OVERLAYS = Message("Look at the overlays in {folder}.")
 NO_SUCH_PICTURE = Message("is {given}, and there is no such picture.", "{where}")
 MOVED_TO = Message("It is {path} now: name it so, or move it back.")

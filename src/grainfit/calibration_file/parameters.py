@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from grainfit.calibration_file import messages
+from grainfit.calibration_file.photographed import PHOTOS
+from grainfit.calibration_file.photographed_repeats import SLOPE_KEYS, slope_in
 from grainfit.errors import InputError
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, STEEPEST, friction_of_angle
@@ -35,8 +37,8 @@ def _interval_keys(quantity: Quantity) -> tuple[Key, ...]:
 
 
 def is_value(table: dict[str, Any]) -> bool:
-    """Return whether a table is the value of a parameter: an interval, or a measured angle."""
-    keys = (*_interval_keys(Quantity(None)), *_ANGLE.keys)
+    """Return whether a table is the value of a parameter: an interval, an angle, pictures of it."""
+    keys = (*_interval_keys(Quantity(None)), *_ANGLE.keys, *SLOPE_KEYS)
     return any(key.name in table for key in keys)
 
 
@@ -131,6 +133,11 @@ _ANGLE = Table(
         ),
     )
 )
+_SLOPE = Table(SLOPE_KEYS, slope_in)
+
+
+def _has(value: Any, key: str) -> bool:
+    return isinstance(value, dict) and key in value
 
 
 @dataclass(frozen=True)
@@ -158,6 +165,9 @@ class FixedOrFree(Kind):
         return _parameter(self.parameter.name, self.parameter.unit, values, place)
 
     def _measured(self, value: dict[str, Any], place: Place) -> MeasuredAngle | None:
+        if PHOTOS in value:
+            found = _SLOPE.read(value, place)
+            return None if found is None else MeasuredAngle(self.parameter.name, *found)
         read = _ANGLE.read(value, place)
         if read.get("measured_angle") is None or None in read.values():
             return None
@@ -165,11 +175,12 @@ class FixedOrFree(Kind):
 
     def read(self, value: Any, place: Place) -> float | Parameter | MeasuredAngle | None:
         """Read a fixed value, in SI, the interval of a free parameter, or a measured angle."""
-        if isinstance(value, dict) and "measured_angle" in value:
+        by_angle = [key for key in ("measured_angle", PHOTOS) if _has(value, key)]
+        if by_angle:
             if self._is_angle:
                 return self._measured(value, place)
             names = " and ".join(MEASURED_BY_ANGLE)
-            place.at("measured_angle").fault(messages.NO_TANGENT, known=names)
+            place.at(by_angle[0]).fault(messages.NO_TANGENT, known=names)
             return None
         if isinstance(value, dict):
             if _note_value_in_table(value, place, self.parameter.example):
@@ -183,7 +194,7 @@ class FixedOrFree(Kind):
 
     def schema(self) -> Schema:
         """Return the JSON Schema of both forms."""
-        angle = [_ANGLE.schema()] if self._is_angle else []
+        angle = [_ANGLE.schema(), _SLOPE.schema()] if self._is_angle else []
         return {"anyOf": [*self._quantity.schema()["anyOf"], self._interval.schema(), *angle]}
 
 

@@ -9,6 +9,15 @@ from typing import Any
 
 from grainfit.calibration_file import messages
 
+#: Key that makes a target, or friction on a wall, one of photographs.
+PHOTOS = "photos"
+
+
+def in_words(value: float, error: float, parts: Mapping[str, float]) -> str:
+    """Return an angle and its standard uncertainty, degrees, with the sources of this."""
+    sources = ", ".join(f"{name} {part:.2f}" for name, part in parts.items())
+    return f"{value:.2f} ± {error:.2f} deg ({sources})"
+
 
 @dataclass(frozen=True)
 class Original:

@@ -11,7 +11,7 @@ from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.curves import CurveTable
 from grainfit.calibration_file.originals import begun_with, groups_of, note_target
-from grainfit.calibration_file.photographed import Original
+from grainfit.calibration_file.photographed import PHOTOS, Original, in_words
 from grainfit.calibration_file.targets import Deviation, PlannedTargetTable, TargetTable, absolute
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
@@ -24,8 +24,6 @@ from grainfit.problem.target import Statistic
 if TYPE_CHECKING:
     from grainfit.photographs.kept import KeptPicture
 
-#: Key that makes a target one of photographs.
-PHOTOS = "photos"
 #: Responses that photographs tell, by type of test.
 PHOTOGRAPHED: Mapping[str, tuple[str, ...]] = {
     "heap": ("angle_of_repose", "profile"),
@@ -101,7 +99,7 @@ def _number(values: Values, place: Place) -> Target | None:
     response, parts = mean_of_heaps(measured.heaps)
     target = target_of(response, values, place, PHOTOS)
     if target is not None:
-        _note(measured, in_words(target, parts), place)
+        _note(measured, in_words(target.value, target.standard_uncertainty, parts), place)
     return target
 
 
@@ -117,12 +115,6 @@ def target_of(measured: Response, values: Values, place: Place, key: str) -> Tar
     except InputError as error_of_value:
         place.note(error_of_value, values, place.at(key))
         return None
-
-
-def in_words(target: Target, parts: Mapping[str, float]) -> str:
-    """Return value and uncertainty of an angle, with the sources of the uncertainty."""
-    sources = ", ".join(f"{name} {part:.2f}" for name, part in parts.items())
-    return f"{target.value:.2f} ± {target.standard_uncertainty:.2f} deg ({sources})"
 
 
 def planned_of(target: Target | None) -> PlannedTarget | None:

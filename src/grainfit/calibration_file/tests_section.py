@@ -25,8 +25,10 @@ from grainfit.calibration_file.curves import (
     OwnTarget,
     RefusedCurve,
 )
+from grainfit.calibration_file.draw_downs import DRAWN_DOWN, draw_down_table
 from grainfit.calibration_file.drums import FILMED, drum_tables
-from grainfit.calibration_file.photos import PHOTOGRAPHED, PHOTOS, photo_table
+from grainfit.calibration_file.photographed import PHOTOS
+from grainfit.calibration_file.photos import PHOTOGRAPHED, photo_table
 from grainfit.calibration_file.targets import OrMeasured, PlannedTargetTable, TargetTable
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
@@ -148,6 +150,8 @@ def _or_measured(
     measured: dict[str, Table] = {}
     if response in PHOTOGRAPHED.get(kind.name, ()):
         measured[PHOTOS] = photo_table(otherwise)
+    if response in DRAWN_DOWN.get(kind.name, ()) and isinstance(otherwise, TargetTable):
+        measured[PHOTOS] = draw_down_table(otherwise, written)
     if response in FILMED.get(kind.name, ()) and isinstance(otherwise, TargetTable):
         measured |= drum_tables(otherwise, written)
     if response in WEIGHED and not planned:

@@ -61,13 +61,17 @@ def complete_instrument(incomplete: str) -> list[str]:
     return [name for name in instrument_names() if name.startswith(incomplete)]
 
 
+#: Keys of a table that is the value of a parameter.
+_VALUE = {"min", "max", "measured_angle", "photos"}
+
+
 def _parameters(document: dict[str, Any]) -> Iterator[str]:
     for section in _SECTIONS:
         table = document.get(section)
         if not isinstance(table, dict):
             continue
         for key, value in table.items():
-            if isinstance(value, dict) and not value.keys() & {"min", "max", "measured_angle"}:
+            if isinstance(value, dict) and not value.keys() & _VALUE:
                 # A wall with a name.
                 yield from (f"{section}.{key}.{own}" for own in value)
             elif section != "particle" or key not in _NO_PARAMETERS:

@@ -322,6 +322,8 @@ def _interval(value: Any) -> str:
 
 
 def _wall(value: Any) -> str:
+    if isinstance(value, dict) and "photos" in value:
+        return "measured on photographs"
     if isinstance(value, dict) and "measured_angle" in value:
         error = value.get("uncertainty", "")
         return f"{value['measured_angle']}{f' ± {error}' if error else ''}"

@@ -165,7 +165,8 @@ def _depth_in_front(sine: float) -> float:
     sine = min(max(sine, 0.0), 1.0)
     wedge = sine * (math.sqrt(1 - sine**2) + math.sqrt(3) * sine)
     number = 0.6 / (math.pi / 6)
-    return _CLOSED * math.gamma(1.4) * (8 / 15 * number / max(wedge, 1e-9)) ** -0.4
+    mean: float = math.gamma(1.4) * (8 / 15 * number / max(wedge, 1e-9)) ** -0.4
+    return _CLOSED * mean
 
 
 def foot_of(

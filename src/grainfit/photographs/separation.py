@@ -163,7 +163,9 @@ def _rough_heap(lab: Array) -> Mask:
         if apart and other.likeness > _LIKE_A_CONE and _SECOND < share < 1 / _SECOND:
             raise NotMeasurableError(messages.TWO_HEAPS(share=100 * min(share, 1 / share)))
     large = cv2.resize(
-        _completed(small, heap.mask).astype(np.float32), (columns, rows), interpolation=cv2.INTER_LINEAR
+        _completed(small, heap.mask).astype(np.float32),
+        (columns, rows),
+        interpolation=cv2.INTER_LINEAR,
     )
     found: Mask = large > 0.5
     return found

@@ -1,0 +1,175 @@
+"""Draw-downs and slopes that are measured once: what was found is kept with their hashes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from grainfit.errors import NotMeasurableError
+from grainfit.evaluation import Response
+from grainfit.files import write_atomically
+from grainfit.photographs.draw_down_photo import photo_draw_downs
+from grainfit.photographs.kept import version_of_code
+from grainfit.photographs.slope_photo import photo_slopes
+
+#: What was measured, in the folder of the pictures.
+_MEASURED = "measured.json"
+#: Name of the inclination of a slope among the angles.
+SLOPE = "slope"
+
+
+@dataclass(frozen=True)
+class KeptRepeats:
+    """What is kept of pictures of one test, each of which is a repeat.
+
+    Parameters
+    ----------
+    name : str
+        Of its folder.
+    version : str
+        Of the code that measured it.
+    angles : dict
+        Means with their standard uncertainties, degrees; empty if nothing could be measured.
+    parts : dict
+        Standard uncertainties of each by their source, degrees.
+    pictures : dict
+        Angles of each picture, degrees, by the hash of the file.
+    refused : dict
+        Why others were not measured, or why one of their angles was not, by the hash of the file.
+    """
+
+    name: str
+    version: str
+    angles: Mapping[str, tuple[float, float]]
+    parts: Mapping[str, Mapping[str, float]]
+    pictures: Mapping[str, Mapping[str, float]]
+    refused: Mapping[str, str]
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> KeptRepeats:
+        """Return the repeats of plain data.
+
+        Raises
+        ------
+        TypeError, ValueError, KeyError
+            They are damaged.
+        """
+        pairs = {str(name): (float(v), float(e)) for name, (v, e) in data["angles"].items()}
+        return cls(**{**data, "angles": pairs})
+
+
+def draw_downs_once(
+    hashes: Mapping[Path, str], folder: Path, diameters: float | None, *, keep_version: bool = False
+) -> KeptRepeats:
+    """Return what is on pictures of draw-downs: as it was kept, or else measured now, and kept.
+
+    Parameters
+    ----------
+    hashes : mapping of Path to str
+        The pictures with their SHA-256.
+    folder : Path
+        Where what was found is kept, with the overlays.
+    diameters : float, optional
+        Inner width of the box in particle diameters.
+    keep_version : bool
+        Take what another version of the code has measured, too: a calibration rests on it.
+
+    Raises
+    ------
+    InputError
+        A picture cannot be read.
+    OSError
+        What was found cannot be written.
+    """
+
+    def measured(overlays: Path) -> _Measured:
+        found = photo_draw_downs(list(hashes), diameters, overlays)
+        unseen = {one.picture.path: one.no_wedges for one in found.pictures if one.no_wedges}
+        pictures = {one.picture.path: one.angles for one in found.pictures}
+        return found.responses, found.parts, pictures, {**unseen, **found.refused}
+
+    return _once(hashes, folder, ["draw_down", diameters], measured, keep_version)
+
+
+def slopes_once(
+    hashes: Mapping[Path, str], folder: Path, level: float | None, *, keep_version: bool = False
+) -> KeptRepeats:
+    """Return what is on pictures of slopes: as it was kept, or else measured now, and kept.
+
+    Parameters
+    ----------
+    hashes : mapping of Path to str
+        The pictures with their SHA-256.
+    folder : Path
+        Where what was found is kept, with the overlays.
+    level : float, optional
+        Standard uncertainty of how level the camera is, degrees.
+    keep_version : bool
+        Take what another version of the code has measured, too: a calibration rests on it.
+
+    Raises
+    ------
+    InputError
+        A picture cannot be read.
+    OSError
+        What was found cannot be written.
+    """
+
+    def measured(overlays: Path) -> _Measured:
+        found = photo_slopes(list(hashes), None, level, overlays)
+        pictures = {one.picture.path: {SLOPE: one.angle} for one in found.slopes}
+        return {SLOPE: found.angle}, {SLOPE: found.parts}, pictures, found.refused
+
+    return _once(hashes, folder, [SLOPE, level], measured, keep_version)
+
+
+_Measured = tuple[
+    Mapping[str, Response],
+    Mapping[str, Mapping[str, float]],
+    Mapping[Path, Mapping[str, float]],
+    Mapping[Path, str],
+]
+
+
+def _once(
+    hashes: Mapping[Path, str],
+    folder: Path,
+    known: Sequence[object],
+    measure: Callable[[Path], _Measured],
+    keep_version: bool,
+) -> KeptRepeats:
+    key = hashlib.sha256(json.dumps([*hashes.values(), *known]).encode()).hexdigest()[:12]
+    name = f"{next(iter(hashes)).stem}_{key}"
+    kept = _read(folder / name)
+    if kept is not None and (keep_version or kept.version == version_of_code()):
+        return kept
+    (folder / name).mkdir(parents=True, exist_ok=True)
+    try:
+        angles, parts, pictures, refused = measure(folder / name)
+        kept = KeptRepeats(
+            name,
+            version_of_code(),
+            {name: (found.value, found.standard_error) for name, found in angles.items()},
+            parts,
+            {hashes[path]: found for path, found in pictures.items()},
+            {hashes[path]: why for path, why in refused.items()},
+        )
+    except NotMeasurableError as error:
+        kept = KeptRepeats(name, version_of_code(), {}, {}, {}, {"": str(error)})
+    write_atomically(folder / name / _MEASURED, json.dumps(asdict(kept)))
+    return kept
+
+
+def _read(folder: Path) -> KeptRepeats | None:
+    """Return what was kept; None if there is nothing, or if it is damaged."""
+    try:
+        return KeptRepeats.from_json(json.loads((folder / _MEASURED).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return None
+
+
+__all__ = ["SLOPE", "KeptRepeats", "draw_downs_once", "slopes_once"]
