@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from grainfit.bulk_tests.registry import BUILT_IN
-from grainfit.calibration_file.photos import PHOTOS
+from grainfit.calibration_file.photographed import PHOTOS
 from grainfit.calibration_file.starter import file_without_tests, starter_test
 from grainfit.errors import InputError
 from grainfit.interview import messages

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.bulk_tests.registry import BUILT_IN
-from grainfit.calibration_file.photographed import PhotographedTarget
-from grainfit.calibration_file.photos import PHOTOGRAPHED, PHOTOS, photo_table
+from grainfit.calibration_file.photographed import PHOTOS, PhotographedTarget
+from grainfit.calibration_file.photos import PHOTOGRAPHED, photo_table
 from grainfit.calibration_file.targets import TargetTable
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.errors import InputError
