@@ -243,8 +243,8 @@ def foot_of(
         [0.0, -0.3, *(centre - half), 0.5 * half / focal],
         [1.2, 0.3, *(centre + half), 2 * half / focal],
     )
-    # Robust weights alone find no way from a start that is far off: only few places are seen.
-    for loss in ("linear", "soft_l1"):
+    # Nearby, the circle of a plate is far from its ellipse: robust weights find no way from there.
+    for loss in ("linear", "soft_l1") if whole else ("soft_l1",):
         fit = least_squares(
             misfit,
             start,
@@ -259,7 +259,13 @@ def foot_of(
     length = float(np.abs(np.diff(arc[:, 0])).sum())
     independent = max(length / max(2 * particle, 4.0), 6.0)
     variance = float(np.mean(fit.fun**2)) * len(arc) / max(independent - 5, 1.0)
-    spread = np.linalg.pinv(fit.jac.T @ fit.jac) * variance
+    # By steps of a pixel: nearest places change from one to the next.
+    steps = np.diag(scale / 5)
+    jacobian = np.array(
+        [(misfit(fit.x + step) - misfit(fit.x - step)) / (2 * step.sum()) for step in steps]
+    )
+    jacobian *= (1 + (fit.fun / max(particle / 4, 1.0)) ** 2) ** -0.25
+    spread = np.linalg.pinv(jacobian @ jacobian.T) * variance
     towards = ray(focal, middle, (fit.x[2], fit.x[3]))
     found = up_from(fit.x[0], fit.x[1], towards) if up is None else up
     return Foot(
