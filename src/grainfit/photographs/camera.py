@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 #: Focal length of a picture that does not tell it, over its longer side: 29 mm on film, as the main
 #: camera of telephones; and the range of it, from a wide one to a tele lens.
 USUAL_FOCAL, FOCAL_RANGE = 0.8, (0.7, 4.0)
+#: Circles of one foot agree within so many standard errors.
+_ERRORS_APART = 3.0
 #: What is left of the depth of the lower edge of a heap once its gaps are closed.
 _CLOSED = 0.7
 
@@ -139,6 +141,8 @@ class Foot:
         Where the middle of the foot is: column and row.
     radius : float
         Of the circle, over its distance from the camera.
+    misfit, free : float
+        Sum of the squares, robust, and degrees of freedom of the fit.
     """
 
     up: Array
@@ -147,6 +151,17 @@ class Foot:
     roll: float
     middle: tuple[float, float]
     radius: float
+    misfit: float
+    free: float
+
+    def agrees_with(self, other: Foot) -> bool:
+        """Return whether the edge is seen on this circle nearly as well as on a better one.
+
+        By the ratio of their likelihoods, as far apart as three standard errors: the error of an
+        elevation is no measure where the front of a foot is nearly straight.
+        """
+        worse = self.misfit / max(other.misfit, 1e-9) - 1
+        return worse * other.free < _ERRORS_APART**2
 
 
 def _depth_in_front(sine: float) -> float:
@@ -258,7 +273,8 @@ def foot_of(
     # Neighbouring places of the edge show the same particle.
     length = float(np.abs(np.diff(arc[:, 0])).sum())
     independent = max(length / max(2 * particle, 4.0), 6.0)
-    variance = float(np.mean(fit.fun**2)) * len(arc) / max(independent - 5, 1.0)
+    free = max(independent - 5, 1.0)
+    variance = float(np.mean(fit.fun**2)) * len(arc) / free
     # By steps of a pixel: nearest places change from one to the next.
     steps = np.diag(scale / 5)
     jacobian = np.array(
@@ -275,4 +291,6 @@ def foot_of(
         float(fit.x[1]),
         (float(fit.x[2]), float(fit.x[3])),
         float(fit.x[4]),
+        float(fit.cost),
+        free,
     )

@@ -34,6 +34,8 @@ _SEEN, _QUARTER, _STEEP, _NEAR = 0.5, 0.3, 4.0, (0.008, 1.2)
 #: Steps by which a guess is shifted, and then how far from it its edge is looked for, over its
 #: radius.
 _STEPS, _REACHES = (0.012, 0.004), (0.02, 0.015)
+#: Share of its radius that must be in the picture: instruments save the square about the drum.
+_TOUCHES = 0.99
 #: Beyond this angle from its axis a drum is seen too obliquely, degrees.
 _OBLIQUE = 15.0
 _RAYS = 360
@@ -263,7 +265,7 @@ def require_along_axis(circle: DrumCircle) -> None:
 
 
 def _is_cut_off(circle: DrumCircle, colours: Colours) -> bool:
-    x, y = circle.edge(1.01).T
+    x, y = circle.edge(_TOUCHES).T
     rows, columns = colours.shape[:2]
     return bool((x < 0).any() or (y < 0).any() or (x > columns - 1).any() or (y > rows - 1).any())
 

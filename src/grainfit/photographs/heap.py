@@ -309,7 +309,7 @@ def _seen_from(
         better = foot_of(arc, focal, middle, particle, plate.up)
         spread = math.hypot(error, plate.error)
         # What is drawn by hand needs no witness.
-        if not (drawn.corners or drawn.plate):
+        if not (drawn.corners or drawn.plate or better.agrees_with(foot)):
             _require_agreement(foot.elevation, better.elevation, spread, _TOLD_BY[type(plate)])
         error = plate.error
     if stated is not None:
