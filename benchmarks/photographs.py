@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import binomtest
 
 from grainfit.errors import NotMeasurableError
 from grainfit.photographs.photo import photo
@@ -87,12 +88,21 @@ def table(records: list[dict[str, Any]]) -> Iterator[str]:
             f"{errors.mean():+.3f}° | {100 * np.mean(np.abs(errors) < _COVER * stated):.0f} % | "
             f"{100 * np.mean(np.abs(whole) < _COVER * spread):.0f} % |"
         )
-    within = np.mean([abs(r["angle"] - r["true"]) <= 0.5 for r in measured])
-    yield f"\nwithin 0.5 degrees: {100 * within:.0f} % of the measured"
-    yield f"refused: {len(good) - len(measured)} of {len(good)} usable pictures"
+    errors = np.array([abs(r["angle"] - r["true"]) for r in measured])
+    covered = [abs(r["angle"] - r["true"]) < _COVER * r["uncertainty"] for r in measured]
+    yield f"\nwithin 0.5 degrees: {_share(int((errors <= 0.5).sum()), len(errors))}"
+    yield f"stated 95 % interval covers: {_share(sum(covered), len(covered))}"
+    drawn = np.random.default_rng(1).choice(errors, (2000, len(errors)))
+    for share in (0.5, 0.9, 0.95):
+        low, high = np.quantile(np.quantile(drawn, share, axis=1), (0.025, 0.975))
+        found = np.quantile(errors, share)
+        yield f"{100 * share:.0f} % of the errors below {found:.2f}° ({low:.2f} to {high:.2f})"
+    yield f"refused usable pictures: {_share(len(good) - len(measured), len(good))}"
     reasons = Counter(r["refused"][:48] for r in good if "refused" in r)
     yield from (f"  {count} x {reason}..." for reason, count in reasons.most_common())
     bad = [r for r in records if not r["good"]]
+    if bad:
+        yield f"refused unusable pictures: {_share(sum('refused' in r for r in bad), len(bad))}"
     for kind in UNUSABLE:
         some = [r for r in bad if r["kind"] == kind]
         yield f"{kind}: {sum('refused' in r for r in some)} of {len(some)} refused"
@@ -101,6 +111,12 @@ def table(records: list[dict[str, Any]]) -> Iterator[str]:
     for r in wrong:
         kind = r.get("kind", "usable")
         yield f"  {kind} {r['number']}: {r['angle']:.1f} instead of {r['true'] or float('nan'):.1f}"
+
+
+def _share(count: int, of: int) -> str:
+    """Return a share with its 95 % interval (Clopper and Pearson)."""
+    low, high = binomtest(count, of).proportion_ci()
+    return f"{count} of {of} ({100 * low:.0f} to {100 * high:.0f} %)"
 
 
 def main() -> None:
