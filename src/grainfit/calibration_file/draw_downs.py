@@ -79,13 +79,13 @@ def _number(test: Mapping[str, Any], values: Values, place: Place) -> Target | N
 
     diameter, width = values.get("diameter"), values.get("box")
     if width is not None and diameter is None:
-        place.at("box").refuse(messages.BOX_WITHOUT_DIAMETER.fault(""))
+        place.at("box").fault(messages.BOX_WITHOUT_DIAMETER)
         return None
     if diameter is not None and width is None:
         # Its own faults are noted where it is.
         width = _LENGTH.read(test.get("width"), Place(Findings(place.findings.folder)))
         if width is None:
-            place.at("diameter").refuse(messages.DIAMETER_WITHOUT_BOX.fault(""))
+            place.at("diameter").fault(messages.DIAMETER_WITHOUT_BOX)
             return None
     diameters = width / diameter if diameter is not None else None
     measure = partial(draw_downs_once, diameters=diameters)

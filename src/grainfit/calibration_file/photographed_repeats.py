@@ -95,12 +95,11 @@ def measured_repeats(
         next(named, next(iter(files.values()))).place.refuse(error.faults[0])
         return None
     except OSError as error:
-        not_kept = messages.NOT_KEPT.fault("", folder=folder, reason=error.strerror)
-        place.at(PHOTOS).refuse(not_kept)
+        place.at(PHOTOS).fault(messages.NOT_KEPT, folder=folder, reason=error.strerror)
         return None
     if angle not in kept.angles:
         reasons = " ".join(kept.refused.values())
-        place.at(PHOTOS).refuse(messages.NO_PICTURE_MEASURED.fault("", reasons=reasons))
+        place.at(PHOTOS).fault(messages.NO_PICTURE_MEASURED, reasons=reasons)
         return None
     return kept, files
 
