@@ -56,7 +56,7 @@ LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
 #: Normal text on its background, by the Web Content Accessibility Guidelines.
 CONTRAST = 4.5
-UNFOLD = "document.querySelectorAll('section > details').forEach((one) => { one.open = true; })"
+UNFOLD = "document.querySelectorAll('details.folded').forEach((one) => { one.open = true; })"
 MEGABYTE = 1_000_000
 
 #: All that is read on the page: its text as it is seen, and that of the figures.
@@ -399,7 +399,7 @@ def test_the_keyboard_reaches_what_the_mouse_does(
         assert float(page.evaluate(f"{focus}.value")) > float(before)
         assert page.evaluate(UNREACHED) == []
         # Each folded section is a stop besides.
-        assert page.evaluate(STOPS) <= 60 + page.locator("section > details").count()
+        assert page.evaluate(STOPS) <= 60 + page.locator("details.folded").count()
 
 
 def test_the_arrow_keys_go_from_run_to_run(
@@ -439,6 +439,10 @@ def test_a_link_unfolds_its_section_and_figures_are_drawn_without_scrolling(
     with opened(browser, report("two_parameters").path) as found:
         page = found.page
         assert page.evaluate("document.documentElement.scrollHeight") < 3000
+        unfolded = page.locator("#answer > details[open]").count()
+        page.locator(".contents a[href='#answer']").click()
+        page.wait_for_timeout(100)
+        assert page.locator("#answer > details[open]").count() == unfolded
         page.set_viewport_size(PHONE)
         assert page.evaluate("document.documentElement.scrollHeight") < 5000
         page.set_viewport_size(LAPTOP)

@@ -214,7 +214,7 @@
 
   const unfold = () => {
     const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
-    const folded = target?.querySelector(":scope > details") ?? target?.closest("details");
+    const folded = target?.querySelector(":scope > .folded") ?? target?.closest("details");
     if (folded && !folded.open) {
       folded.open = true;
       target.scrollIntoView();
@@ -355,7 +355,7 @@
   const stops = new Set();
   for (const abbreviation of document.querySelectorAll("abbr[title]")) {
     const { title } = abbreviation;
-    if (stops.has(title) || abbreviation.closest("button, a, summary, label, details:not(section > details)")) {
+    if (stops.has(title) || abbreviation.closest("button, a, summary, label, details:not(.folded)")) {
       continue;
     }
     stops.add(title);

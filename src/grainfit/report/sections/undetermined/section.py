@@ -21,7 +21,8 @@ def undetermined(context: ReportContext) -> Section:
         return waiting(context, _KEY, _TITLE, context.why_no_posterior)
     drawn = posterior_figures(context.reading, posterior, found, context.intervals)
     figures = {f"{_KEY}-narrowing": drawn.narrowing}
-    if drawn.correlations is not None:
+    if drawn.correlations is not None and len(posterior.names) > 2:
+        # Of two parameters, the pair says it.
         figures[f"{_KEY}-correlations"] = drawn.correlations
     histograms = {f"{_KEY}-marginal-{i}": figure for i, figure in enumerate(drawn.marginals)}
     pairs = {
