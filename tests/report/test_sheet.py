@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 import grainfit
 from grainfit.analysis.analysis import Analysis
 from grainfit.cli.app import app
-from grainfit.formatting import rounded
+from grainfit.formatting import plain_interval, rounded
 from grainfit.report.sheet.sheet import write_sheet
 from grainfit.result import CurveResult
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -57,7 +57,7 @@ def test_a_customer_gets_values_tests_forecast_and_hashes(
         assert interval.determination in first
     assert "hertz_mindlin" in first
     for response in result.responses.values():
-        assert f"{response.target:g} ± {response.tolerance:.3g}" in second
+        assert plain_interval(response.target, response.tolerance) in second
     assert "of the Rayleigh time step" in second
     assert "1,000,000" in second
     assert f"SHA-256 of {saved.source}" in second
