@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "docs" / "recorded"
 PAGE = ROOT / "docs" / "studies" / "real_materials.md"
 #: Examples in the order of the table.
-MATERIALS = ("karlsruhe_sand", "mcc_drum")
+MATERIALS = ("karlsruhe_sand", "granular_urea", "mcc_drum")
 
 _MARKED = re.compile("(?<=<!-- table -->\n).*(?=<!-- end of table -->)", re.DOTALL)
 _HEAD = (
