@@ -45,7 +45,6 @@ default_role = "py:obj"
 html_theme = "furo"
 html_title = f"grainfit {release}"
 html_static_path = ["_static"]
-html_favicon = "../src/grainfit/report/icon.svg"
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
 html_favicon = "_static/favicon.svg"
