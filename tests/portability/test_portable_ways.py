@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.sand_files import FILE, MODEL
+
 ROOT = Path(__file__).parents[2]
 BEADS = ROOT / "examples" / "glass_beads" / "calibration.toml"
 HERE = sys.platform in ("win32", "darwin")
@@ -24,24 +26,6 @@ Start = Callable[..., subprocess.Popen[str]]
 
 pytestmark = pytest.mark.portable
 
-MODEL = """
-import random
-
-def drum(parameters, seed):
-    noise = random.Random(seed).gauss(0, 0.3)
-    return {"angle": 20 + 40 * parameters["friction"] + noise}
-"""
-FILE = """
-name = "sand"
-
-[parameters]
-friction = { min = 0.1, max = 0.9 }
-
-[[test]]
-type = "python"
-function = "model.py:drum"
-targets.angle = { value = 36, uncertainty = 0.4, unit = "deg" }
-"""
 #: Many commands in one process: most of their time is that of imports.
 COMMANDS = """
 import json, sys
