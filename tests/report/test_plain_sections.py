@@ -434,7 +434,7 @@ def test_the_heap_is_that_of_a_typical_verification_run(heaps: ReportContext) ->
     # Their mean is 21.925 degrees.
     assert "nearest to their mean: run 5." in shown
     assert "simulated: 21.9°" in shown
-    assert "measured: 22°" in shown
+    assert "measured: 22.00°" in shown
     # One of each parameter set, in order.
     strip = re.findall(r"<figcaption><strong>([\d.]+)°", str(section.html))
     assert strip == ["15", "21.8", "30"]

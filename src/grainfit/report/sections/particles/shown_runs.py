@@ -25,7 +25,7 @@ from grainfit.evaluation import (
     scalars,
 )
 from grainfit.files import read_within
-from grainfit.formatting import number, plain, with_unit
+from grainfit.formatting import number, plain, rounded, with_unit
 from grainfit.measurement.particles import Particles
 from grainfit.problem import Problem, Target
 from grainfit.report import messages
@@ -155,10 +155,10 @@ def measured(target: Target, problem: Problem, unit: str) -> str:
     """
     ratio = problem.ratios.get(target.name)
     if ratio is None:
-        return with_unit(number(target.value, 6), unit)
-    here, real = target.value, ratio * target.value
+        return with_unit(rounded(target.value, target.tolerance), unit)
+    real = rounded(ratio * target.value, ratio * target.tolerance)
     return messages.AT_THIS_SIZE(
-        here=with_unit(number(here, 3), unit), real=with_unit(number(real, 6), unit)
+        here=with_unit(number(target.value, 3), unit), real=with_unit(real, unit)
     )
 
 
