@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from typing_extensions import override
 
 import needs
 from grainfit.bulk_tests.heap import Heap
@@ -46,6 +47,12 @@ class TestLiggghts(SceneContract, GluedContract, ImpactContract, ClumpContract):
     @pytest.fixture
     def solver(self):
         return Liggghts(Heap(diameter="10 mm"), {})
+
+    @pytest.mark.slow
+    @pytest.mark.thorough
+    @override
+    def test_a_lowered_bed_hangs_on_a_wide_tube_as_janssen_says(self, run: Run) -> None:
+        super().test_a_lowered_bed_hangs_on_a_wide_tube_as_janssen_says(run)
 
     def test_a_stage_that_presses_on_nothing_is_named(self, run: Run) -> None:
         press = Load("z", -0.001, largest_speed=0.01, gain=1.0)

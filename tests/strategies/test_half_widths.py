@@ -184,6 +184,7 @@ def test_a_finished_calibration_goes_on_with_all_its_runs(tmp_path: Path) -> Non
     assert second.status == "calibrated"
 
 
+@pytest.mark.thorough
 def test_an_interrupted_calibration_continues_as_it_would_have(tmp_path: Path) -> None:
     wanted = Sequential(wanted_half_width="28 %")
     whole = gf.calibrate(ridge(), model, strategy=wanted, seed=2, workers=1)

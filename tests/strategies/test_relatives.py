@@ -121,6 +121,7 @@ def test_the_verdict_is_that_of_the_runs_of_the_test_alone(tmp_path: Path) -> No
     assert means == pytest.approx(found)
 
 
+@pytest.mark.thorough
 def test_an_interrupted_calibration_goes_on_without_a_run_twice(tmp_path: Path) -> None:
     whole, _ = calibrated(soft, tmp_path / "whole")
 
