@@ -51,6 +51,7 @@ def calibrate(
     return done, json.loads((folder / "work" / "result.json").read_text())
 
 
+@pytest.mark.thorough
 def test_glass_beads_are_calibrated_with_few_runs(tmp_path: Path) -> None:
     # One run at a time: with more, what is asked depends on which run comes back first.
     file = example(tmp_path, "calibration.toml")

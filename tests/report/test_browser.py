@@ -317,7 +317,7 @@ def _require_same_predictions(page: Page, metamodels: Metamodels | None) -> None
     problem = metamodels.problem
     assert comes_true(page, "!!document.querySelector('#explorer [data-mean]')")
     responses = page.locator("#explorer [data-response]")
-    for place in np.random.default_rng(1).integers(0, 1001, (4, problem.dimension)) / 1000:
+    for place in np.random.default_rng(1).integers(0, 1001, (2, problem.dimension)) / 1000:
         page.eval_on_selector_all("#explorer input[type=range]", MOVE, place.tolist())
         means, variances = metamodels.predict(place)
         half_widths = norm.ppf(0.975) * np.sqrt(variances)

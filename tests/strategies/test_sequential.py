@@ -93,6 +93,7 @@ def test_without_noise_it_stops_soon_after_the_design() -> None:
 # Warm starts -----------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_runs_of_others_stand_in_for_the_design_and_most_of_the_search() -> None:
     runs = {"cold": 0, "warm": 0}
     for seed in range(1, 4):
