@@ -73,6 +73,9 @@ def test_pictures_are_kept_measured_and_shown(server: StartServer) -> None:
     assert "photos" not in typed.text
     assert messages.TYPED_ALREADY.is_in(give(server, "heap_1.jpg")[1])
 
+    server.path.write_text("name = ")
+    assert asked(server, "GET", f"overlay/1/{KEY}")[0] == 404
+
 
 def test_what_is_no_picture_is_refused_and_not_kept(server: StartServer) -> None:
     before = server.path.read_text()

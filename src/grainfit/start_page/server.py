@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
@@ -116,8 +117,11 @@ class StartServer(LocalServer):
 
     def overlay(self, key: str, number: int) -> bytes | None:
         """Return a picture on which is drawn what was measured; None if there is none."""
-        found = {one.key: one.overlays for one in self._interview().questions()}
-        return Path(found[key][number]).read_bytes() if number < len(found.get(key, ())) else None
+        with suppress(InputError, OSError):
+            found = {one.key: one.overlays for one in self._interview().questions()}
+            if number < len(found.get(key, ())):
+                return Path(found[key][number]).read_bytes()
+        return None
 
     def tried(self, key: str, given: str) -> State:
         """Return what an answer would mean; the file stays as it is.
