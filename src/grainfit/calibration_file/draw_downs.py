@@ -10,8 +10,8 @@ from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.photographed import PHOTOS, in_words
 from grainfit.calibration_file.photographed_repeats import measured_repeats, note_repeats
-from grainfit.calibration_file.photos import OF_NUMBER, planned_of, target_of
-from grainfit.calibration_file.targets import Deviation, PlannedTargetTable, TargetTable
+from grainfit.calibration_file.photos import OF_ANGLE, planned_of, target_of
+from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.evaluation import Response
 from grainfit.options.kinds import OneOrMore, Quantity, Text
 from grainfit.options.places import Findings, Place
@@ -45,14 +45,7 @@ _DRAW_DOWN_KEYS = (
         default="width of the test",
         example='"72 mm"',
     ),
-    Key(
-        "tolerance",
-        Deviation("deg"),
-        "Largest accepted deviation of the calibrated response: what is good enough.",
-        default="as of a target that is given by its value",
-        example='"1 deg"',
-    ),
-    *OF_NUMBER,
+    *OF_ANGLE,
 )
 
 

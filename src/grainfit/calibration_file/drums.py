@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import PlannedTarget
-from grainfit.calibration_file.originals import NamedFile, begun_with, groups_of, note_target
+from grainfit.calibration_file.originals import (
+    NamedFile,
+    groups_of,
+    measured_once,
+    note_target,
+)
 from grainfit.calibration_file.photographed import PHOTOS, Original, in_words
-from grainfit.calibration_file.photos import OF_NUMBER, planned_of, target_of
-from grainfit.calibration_file.targets import Deviation, PlannedTargetTable, TargetTable
-from grainfit.errors import InputError
+from grainfit.calibration_file.photos import OF_ANGLE, planned_of, target_of
+from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
 from grainfit.evaluation import Response
 from grainfit.formatting import turns_per_minute
 from grainfit.options.kinds import Flag, OneOrMore, Quantity, Text
@@ -77,14 +81,7 @@ _SHARED = (
         default="drum_length of a test with end_caps",
         example='"20 mm"',
     ),
-    Key(
-        "tolerance",
-        Deviation("deg"),
-        "Largest accepted deviation of the calibrated response: what is good enough.",
-        default="as of a target that is given by its value",
-        example='"1 deg"',
-    ),
-    *OF_NUMBER,
+    *OF_ANGLE,
 )
 
 
@@ -167,29 +164,17 @@ def _measured(
     groups: Sequence[Sequence[NamedFile]], size: DrumSize, values: Values, place: Place
 ) -> KeptDrum | None:
     """Measure once what shows a drum; None after noting what cannot be read or kept."""
-    from grainfit.photographs.kept import FOLDER
     from grainfit.photographs.kept_drum import measure_drum_once
 
-    folder, begun = place.findings.work_folder() / FOLDER, begun_with(place)
     files = [one for group in groups for one in group]
-    try:
-        return measure_drum_once(
-            [[one.path for one in group] for group in groups],
-            {one.path: one.sha256 for one in files},
-            folder,
-            size=size,
-            level=values.get("level"),
-            marker=values.get("marker", False),
-            keep_version=begun == {one.file: one.sha256 for one in files},
-        )
-    except InputError as error:
-        # The words of the fault name the file.
-        at = next((one.place for one in files if str(one.path) in str(error)), files[0].place)
-        at.refuse(error.faults[0])
-    except OSError as error:
-        not_kept = messages.NOT_KEPT.fault("", folder=folder, reason=error.strerror)
-        files[0].place.refuse(not_kept)
-    return None
+    measure = partial(
+        measure_drum_once,
+        [[one.path for one in group] for group in groups],
+        size=size,
+        level=values.get("level"),
+        marker=values.get("marker", False),
+    )
+    return measured_once(measure, files, place, files[0].place)
 
 
 def _said(found: KeptDrum, files: Mapping[str, NamedFile]) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fnmatch import fnmatch
 from functools import partial
@@ -10,7 +10,7 @@ from glob import escape
 from itertools import chain
 from pathlib import Path
 from shutil import copy2, copytree
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.photographed import Original, PhotographedTarget
@@ -18,6 +18,7 @@ from grainfit.errors import InputError
 from grainfit.files import is_file, is_folder
 from grainfit.options.places import Place, dotted, show
 
+Kept = TypeVar("Kept")
 #: Pictures near the calibration file that are searched for one that was moved.
 _MOST_SEARCHED = 300
 
@@ -103,6 +104,38 @@ def begun_with(place: Place) -> Mapping[str, str]:
 
     folder = place.findings.work_folder() / FOLDER
     return pictures_begun_with(folder).get(dotted(place.path), {})
+
+
+def measured_once(
+    measure: Callable[..., Kept], files: Sequence[NamedFile], place: Place, otherwise: Place
+) -> Kept | None:
+    """Measure files, or take what is kept of them; None after noting why they cannot be.
+
+    Parameters
+    ----------
+    measure : callable
+        Called with the hashes of the files by their paths, the folder in which what was found is
+        kept, and ``keep_version``.
+    files : sequence of NamedFile
+        The files.
+    place : Place
+        Of the target or parameter.
+    otherwise : Place
+        Of the fault where nothing can be kept.
+    """
+    from grainfit.photographs.kept import FOLDER
+
+    folder, begun = place.findings.work_folder() / FOLDER, begun_with(place)
+    as_begun = begun == {one.file: one.sha256 for one in files}
+    try:
+        return measure({one.path: one.sha256 for one in files}, folder, keep_version=as_begun)
+    except InputError as error:
+        # The words of the fault name the file.
+        at = next((one.place for one in files if str(one.path) in str(error)), files[0].place)
+        at.refuse(error.faults[0])
+    except OSError as error:
+        otherwise.fault(messages.NOT_KEPT, folder=folder, reason=error.strerror)
+    return None
 
 
 def _find(digest: str, folder: Path) -> str:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.originals import NamedFile, begun_with, groups_of, note_target
+from grainfit.calibration_file.originals import (
+    NamedFile,
+    groups_of,
+    measured_once,
+    note_target,
+)
 from grainfit.calibration_file.photographed import PHOTOS, Original, in_words
-from grainfit.errors import InputError
 from grainfit.options.kinds import OneOrMore, Quantity, Text
 from grainfit.options.places import Place
 from grainfit.options.tables import Key, Values
@@ -78,24 +81,12 @@ def measured_repeats(
     tuple of KeptRepeats and dict of str to NamedFile
         What was measured, and the pictures by their hashes.
     """
-    from grainfit.photographs.kept import FOLDER
-
     groups = None if None in values.values() else groups_of(values[PHOTOS], place.at(PHOTOS))
     if groups is None:
         return None
     files = {one.sha256: one for group in groups for one in group}
-    folder, begun = place.findings.work_folder() / FOLDER, begun_with(place)
-    hashes: dict[Path, str] = {one.path: one.sha256 for one in files.values()}
-    as_begun = begun == {one.file: one.sha256 for one in files.values()}
-    try:
-        kept = measure(hashes, folder, keep_version=as_begun)
-    except InputError as error:
-        # The words of the fault name the file.
-        named = (one for one in files.values() if str(one.path) in str(error))
-        next(named, next(iter(files.values()))).place.refuse(error.faults[0])
-        return None
-    except OSError as error:
-        place.at(PHOTOS).fault(messages.NOT_KEPT, folder=folder, reason=error.strerror)
+    kept = measured_once(measure, list(files.values()), place, place.at(PHOTOS))
+    if kept is None:
         return None
     if angle not in kept.angles:
         reasons = " ".join(kept.refused.values())

@@ -47,6 +47,19 @@ OF_NUMBER = (
 )
 
 
+#: Further keys of a target that is an angle.
+OF_ANGLE = (
+    Key(
+        "tolerance",
+        Deviation("deg"),
+        "Largest accepted deviation of the calibrated response: what is good enough.",
+        default="as of a target that is given by its value",
+        example='"1 deg"',
+    ),
+    *OF_NUMBER,
+)
+
+
 def _photo_keys(unit: str | None) -> tuple[Key, ...]:
     length = Quantity("m", above_zero=True)
     return (

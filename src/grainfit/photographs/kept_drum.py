@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from grainfit.files import write_atomically
 from grainfit.photographs.drum import DrumSize
 from grainfit.photographs.drum_photo import (
     draw_overlays,
@@ -18,9 +15,7 @@ from grainfit.photographs.drum_photo import (
     speed_of,
 )
 from grainfit.photographs.kept import version_of_code
-
-#: What was measured, in the folder of a drum.
-_MEASURED = "measured.json"
+from grainfit.photographs.kept_folder import kept_once
 
 
 @dataclass(frozen=True)
@@ -136,44 +131,34 @@ def measure_drum_once(
         What was found cannot be written.
     """
     what = [[[hashes[path] for path in group] for group in groups], size, level, marker]
-    key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:12]
-    name = f"{groups[0][0].stem}_{key}"
-    kept = _read(folder / name)
-    if kept is not None and (keep_version or kept.version == version_of_code()):
-        return kept
-    series, refused = measure_series(groups, size, marker=marker)
-    (folder / name).mkdir(parents=True, exist_ok=True)
-    draw_overlays(folder / name, series, refused)
-    responses, parts = mean_of_series(series, level) if series else ({}, {})
-    speed = speed_of(series)
-    kept = KeptDrum(
-        name,
-        version_of_code(),
-        {name: (found.value, found.standard_error) for name, found in responses.items()},
-        parts,
-        tuple(
-            KeptSeries(
-                hashes[one.path],
-                len(one.angles.bed.heights),
-                one.interval and (len(one.angles.bed.heights) - 1) * one.interval,
-                one.rises_right,
-                one.fill_level,
-            )
-            for one in series
-        ),
-        {hashes[path]: why for path, why in refused.items()},
-        None if speed is None else (speed.value, speed.standard_error),
-    )
-    write_atomically(folder / name / _MEASURED, json.dumps(asdict(kept)))
-    return kept
 
+    def measured(name: str) -> KeptDrum:
+        series, refused = measure_series(groups, size, marker=marker)
+        (folder / name).mkdir(parents=True, exist_ok=True)
+        draw_overlays(folder / name, series, refused)
+        responses, parts = mean_of_series(series, level) if series else ({}, {})
+        speed = speed_of(series)
+        return KeptDrum(
+            name,
+            version_of_code(),
+            {name: (found.value, found.standard_error) for name, found in responses.items()},
+            parts,
+            tuple(
+                KeptSeries(
+                    hashes[one.path],
+                    len(one.angles.bed.heights),
+                    one.interval and (len(one.angles.bed.heights) - 1) * one.interval,
+                    one.rises_right,
+                    one.fill_level,
+                )
+                for one in series
+            ),
+            {hashes[path]: why for path, why in refused.items()},
+            None if speed is None else (speed.value, speed.standard_error),
+        )
 
-def _read(folder: Path) -> KeptDrum | None:
-    """Return what was kept; None if there is nothing, or if it is damaged."""
-    try:
-        return KeptDrum.from_json(json.loads((folder / _MEASURED).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
-        return None
+    stem = groups[0][0].stem
+    return kept_once(folder, stem, what, KeptDrum.from_json, measured, keep_version=keep_version)
 
 
 __all__ = ["KeptDrum", "KeptSeries", "measure_drum_once"]

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.files import write_atomically
 from grainfit.photographs.draw_down_photo import photo_draw_downs
 from grainfit.photographs.kept import version_of_code
+from grainfit.photographs.kept_folder import kept_once
 from grainfit.photographs.slope_photo import photo_slopes
 
-#: What was measured, in the folder of the pictures.
-_MEASURED = "measured.json"
 #: Name of the inclination of a slope among the angles.
 SLOPE = "slope"
 
@@ -142,15 +138,13 @@ def _once(
     measure: Callable[[Path], _Measured],
     keep_version: bool,
 ) -> KeptRepeats:
-    key = hashlib.sha256(json.dumps([*hashes.values(), *known]).encode()).hexdigest()[:12]
-    name = f"{next(iter(hashes)).stem}_{key}"
-    kept = _read(folder / name)
-    if kept is not None and (keep_version or kept.version == version_of_code()):
-        return kept
-    (folder / name).mkdir(parents=True, exist_ok=True)
-    try:
-        angles, parts, pictures, refused = measure(folder / name)
-        kept = KeptRepeats(
+    def measured(name: str) -> KeptRepeats:
+        (folder / name).mkdir(parents=True, exist_ok=True)
+        try:
+            angles, parts, pictures, refused = measure(folder / name)
+        except NotMeasurableError as error:
+            return KeptRepeats(name, version_of_code(), {}, {}, {}, {"": str(error)})
+        return KeptRepeats(
             name,
             version_of_code(),
             {name: (found.value, found.standard_error) for name, found in angles.items()},
@@ -158,18 +152,9 @@ def _once(
             {hashes[path]: found for path, found in pictures.items()},
             {hashes[path]: why for path, why in refused.items()},
         )
-    except NotMeasurableError as error:
-        kept = KeptRepeats(name, version_of_code(), {}, {}, {}, {"": str(error)})
-    write_atomically(folder / name / _MEASURED, json.dumps(asdict(kept)))
-    return kept
 
-
-def _read(folder: Path) -> KeptRepeats | None:
-    """Return what was kept; None if there is nothing, or if it is damaged."""
-    try:
-        return KeptRepeats.from_json(json.loads((folder / _MEASURED).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
-        return None
+    stem, what = next(iter(hashes)).stem, [*hashes.values(), *known]
+    return kept_once(folder, stem, what, KeptRepeats.from_json, measured, keep_version=keep_version)
 
 
 __all__ = ["SLOPE", "KeptRepeats", "draw_downs_once", "slopes_once"]
