@@ -393,9 +393,9 @@
   const LOOK = 1000;
   const look = async () => {
     try {
-      const found = await (await fetch("state")).json();
+      const run = await (await fetch("run")).json();
       const was = isRunning();
-      state.run = found.run;
+      state.run = run;
       follow();
       handOver();
       if (was && !isRunning()) {

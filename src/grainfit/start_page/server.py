@@ -75,7 +75,7 @@ class StartServer(LocalServer):
             "left": list(interview.left),
             "steps": interview.steps,
             "drawings": interview.drawings,
-            "run": self._run_state(),
+            "run": self.run_state(),
         }
 
     def answer(self, key: str, given: str) -> State:
@@ -224,7 +224,8 @@ class StartServer(LocalServer):
     def _interview(self) -> Interview:
         return Interview.open(self.path, self._solver)
 
-    def _run_state(self) -> State:
+    def run_state(self) -> State:
+        """Return the calibration alone, which a page asks for every second."""
         folder = self.work_folder
         with self._following:
             if self._watch is None and (self._run is not None or (folder / STORE_NAME).exists()):
@@ -263,6 +264,8 @@ class _Handler(LocalHandler):
             self.send_page(partial(start_page, self.server.page_start()), "data: 'self'")
         elif rest == "state":
             self.send(HTTPStatus.OK, JSON, script_json(self.server.state()))
+        elif rest == "run":
+            self.send(HTTPStatus.OK, JSON, script_json(self.server.run_state()))
         elif rest == "sheet":
             self._send_sheet()
         elif rest.startswith(_OVERLAY):
