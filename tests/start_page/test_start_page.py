@@ -14,6 +14,7 @@ from playwright.sync_api import Page, expect
 import needs
 from benchmarks import chromium
 from benchmarks.axe import LAPTOP, PHONE, violations
+from grainfit.cards.other_programs.edem import EDEM
 from grainfit.interview.interview import Interview
 from grainfit.local_pages.server import listen
 from grainfit.start_page import messages
@@ -107,6 +108,7 @@ def test_a_start_runs_and_leads_to_the_page_that_follows_it(server: StartServer)
             page.locator("#watch").click()
         expect(followed.value.locator("#name")).to_have_text("sand")
         expect(page.locator("#followed")).to_contain_text("It has ended: undecided.")
+        expect(page.locator("#offers")).to_contain_text(EDEM.title)
         with page.expect_download() as handed:
             page.get_by_role("link", name="JSON").click()
         card = json.loads(handed.value.path().read_text())

@@ -29,6 +29,7 @@ from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 __all__ = [
     "FORMATS",
+    "FORMAT_TITLES",
     "CardParameter",
     "CardResponse",
     "MaterialCard",
@@ -39,22 +40,24 @@ __all__ = [
     "write_card",
 ]
 
+_OTHER = (EDEM, ROCKY, MERCURYDPM, PFC, MFIX, ASPHERIX)
 _RENDERERS: Mapping[str, Callable[[MaterialCard], str]] = {
     "liggghts": render_liggghts,
     "lammps": render_lammps,
     "yade": render_yade,
-    "edem": render_other(EDEM),
-    "rocky": render_other(ROCKY),
-    "mercurydpm": render_other(MERCURYDPM),
-    "pfc": render_other(PFC),
-    "mfix": render_other(MFIX),
-    "aspherix": render_other(ASPHERIX),
+    **{program.name: render_other(program) for program in _OTHER},
     "json": render_json,
     "csv": render_csv,
 }
 for _program in DEM_PROGRAMS:
     require_complete("solver", _program, [] if _program in _RENDERERS else ["its card is missing"])
 
+_PROGRAM_TITLES = {name: program.title for name, program in DEM_PROGRAMS.items()}
+_PROGRAM_TITLES |= {program.name: program.title for program in _OTHER}
+#: Formats of a card with their names for people.
+FORMAT_TITLES: Mapping[str, str] = {
+    name: _PROGRAM_TITLES.get(name, name.upper()) for name in _RENDERERS
+}
 #: Formats of a card.
 FORMATS = tuple(_RENDERERS)
 

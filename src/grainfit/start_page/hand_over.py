@@ -8,17 +8,18 @@ from contextlib import suppress
 from pathlib import Path
 
 from grainfit.campaign.work_folder import RESULT_NAME
-from grainfit.cards import FORMATS, material_card, render, require_format
+from grainfit.cards import FORMAT_TITLES, material_card, render, require_format
 
-#: Name of the customer's sheet beside the formats of a card.
-SHEET = "sheet"
+#: Name of the customer's sheet beside the formats of a card, and its title on the page.
+SHEET, _SHEET_TITLE = "sheet", "Customer’s sheet (PDF)"
 _KINDS = {"json": "application/json", "csv": "text/csv; charset=utf-8"}
 _ENDINGS = {"json": "json", "csv": "csv", "yade": "py"}
 
 
-def offers(folder: Path) -> list[str]:
-    """Return the names of what `handed_over` makes; none before there is a result."""
-    return [SHEET, *FORMATS] if (folder / RESULT_NAME).exists() else []
+def offers(folder: Path) -> dict[str, str]:
+    """Return what `handed_over` makes, titles by name; nothing before there is a result."""
+    made = (folder / RESULT_NAME).exists()
+    return {SHEET: _SHEET_TITLE, **FORMAT_TITLES} if made else {}
 
 
 def state_of(folder: Path) -> str:

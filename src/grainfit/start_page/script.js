@@ -376,18 +376,12 @@
       at("followed").replaceChildren(...shown);
     }
   };
-  const OFFERS = {
-    sheet: "Customer’s sheet (PDF)", liggghts: "LIGGGHTS", lammps: "LAMMPS", yade: "YADE",
-    edem: "EDEM", rocky: "Rocky", mercurydpm: "MercuryDPM", pfc: "PFC", mfix: "MFiX",
-    aspherix: "Aspherix", json: "JSON", csv: "CSV",
-  };
   const handOver = () => {
-    const names = (state.run && state.run.offers) || [];
-    at("hand-box").hidden = !names.length;
-    if (at("offers").children.length !== names.length) {
-      at("offers").replaceChildren(...names.map((name) => element("li", {}, element("a", {
-        href: `hand-over/${name}`, textContent: OFFERS[name] || name,
-      }))));
+    const offers = Object.entries((state.run && state.run.offers) || {});
+    at("hand-box").hidden = !offers.length;
+    if (at("offers").children.length !== offers.length) {
+      at("offers").replaceChildren(...offers.map(([name, title]) => element("li", {},
+        element("a", { href: `hand-over/${name}`, textContent: title }))));
     }
   };
   const LOOK = 1000;

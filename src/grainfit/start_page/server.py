@@ -238,7 +238,7 @@ class StartServer(LocalServer):
             "code": self._run.code if self._run else None,
             "said": self._run.tail() if self._run and self._run.code is not None else "",
             "state": "" if self.is_running else state_of(folder),
-            "offers": [] if self.is_running else offers(folder),
+            "offers": {} if self.is_running else offers(folder),
         }
 
 
