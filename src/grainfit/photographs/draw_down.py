@@ -240,6 +240,3 @@ def _shelf(wedges: tuple[Mask, ...]) -> tuple[Callable[[Array], Array], tuple[fl
         return found
 
     return shelf, (ends[0][1], ends[1][0])
-
-
-__all__ = ["DrawDownInPicture", "measure_draw_down"]

@@ -121,6 +121,3 @@ def _draw(draw: ImageDraw.ImageDraw, found: DrawDownInPicture, width: int) -> st
         draw_line(draw, line, FLANK, 2 * width)
     words = [f"{name.replace('_', ' ')} {angle:.1f}°" for name, angle in found.angles.items()]
     return ", ".join(words) + (f"; no shear angle: {found.no_wedges}" if found.no_wedges else "")
-
-
-__all__ = ["PhotographedDrawDowns", "photo_draw_downs"]

@@ -435,16 +435,3 @@ def _unsure(found: Sequence[DynamicAngles[PhotographedBed]]) -> dict[str, dict[s
     if None in found[0].bed.size:
         unsure["dynamic_angle"]["perspective"] = _PERSPECTIVE
     return unsure
-
-
-__all__ = [
-    "FEWEST_FRAMES",
-    "FEWEST_STILLS",
-    "DrumSeries",
-    "DrumSize",
-    "DrumStill",
-    "PhotographedBed",
-    "measure_still",
-    "measure_stills",
-    "measure_video",
-]

@@ -318,6 +318,3 @@ def _refined(lab: NDArray[np.float32], guess: DrumCircle) -> tuple[float, DrumCi
     if seen.mean() < _SEEN or sorted(seen)[1] < _QUARTER:
         return 0.0, None
     return float(seen.mean()), circle
-
-
-__all__ = ["DrumCircle", "circles_in", "is_steady", "require_along_axis"]

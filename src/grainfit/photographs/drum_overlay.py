@@ -44,6 +44,3 @@ def draw_refused(folder: Path, path: Path, reason: str) -> None:
     write_page(
         Image.fromarray(colours), f"not measured: {reason}", folder / f"{path.stem}_refused.png"
     )
-
-
-__all__ = ["draw_drum_overlay", "draw_refused"]

@@ -272,13 +272,3 @@ def _parts(name: str, series: Sequence[DrumSeries], level: float | None) -> dict
 
 def _of_level(parts: dict[str, dict[str, float]]) -> float:
     return next(iter(parts.values()))["level"]
-
-
-__all__ = [
-    "PhotographedDrum",
-    "draw_overlays",
-    "mean_of_series",
-    "measure_series",
-    "photo_drum",
-    "speed_of",
-]

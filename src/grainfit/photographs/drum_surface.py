@@ -353,14 +353,3 @@ def _require_surface(known: BedColours, frames: Sequence[Colours], circle: DrumC
     if np.median(specks) > _SPECKS:
         share = 100 * float(np.median(specks))
         raise NotMeasurableError(messages.DIRTY_DRUM(share=share, most=100 * _SPECKS))
-
-
-__all__ = [
-    "RADIUS",
-    "BedColours",
-    "fill_level_of",
-    "inclination_of",
-    "learn_colours",
-    "places",
-    "without_perspective",
-]

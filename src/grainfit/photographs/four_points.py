@@ -97,6 +97,3 @@ def _plane(corners: Array, focal: float, middle: tuple[float, float]) -> tuple[A
 
 def _elevation(up: Array, towards: Array) -> float:
     return math.degrees(math.asin(float(np.clip(-(up @ towards), -1, 1))))
-
-
-__all__ = ["Rectangle", "rectangle_of"]

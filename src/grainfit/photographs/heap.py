@@ -29,7 +29,7 @@ from grainfit.photographs.four_points import Rectangle, rectangle_of
 from grainfit.photographs.marker import MarkerSheet, find_marker_sheet
 from grainfit.photographs.pictures import Picture, opencv
 from grainfit.photographs.plate import Plate, Rim, drawn_rim, find_rim
-from grainfit.photographs.separation import EDGE_LEVEL, Separated, drawn_outline, separate
+from grainfit.photographs.separation import Separated, drawn_outline, separate
 
 #: Flanks are seen up to the angle less this, degrees.
 FLANKS_VANISH = 8.0
@@ -644,15 +644,3 @@ def _drawn(found: _Found) -> tuple[Array, Array, Array]:
     reach = max(abs(f.start[0]) for f in (found.view.left, found.view.right) if f is not None)
     ground = np.array([[-1.25 * reach, 0.0], [1.25 * reach, 0.0]])
     return lines[0], lines[1], found.back(ground)
-
-
-__all__ = [
-    "EDGE_LEVEL",
-    "FLANKS_VANISH",
-    "HeapInPicture",
-    "Seen",
-    "contour_of",
-    "diameter_by_roughness",
-    "measure_heap",
-    "particle_in",
-]

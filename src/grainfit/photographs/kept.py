@@ -21,7 +21,7 @@ from grainfit.photographs import messages
 from grainfit.photographs.by_hand import read_by_hand
 from grainfit.photographs.heap import Array, HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
-from grainfit.photographs.pictures import Picture, opencv, read_picture
+from grainfit.photographs.pictures import opencv, read_picture
 
 #: Folder of what is kept, in a work folder.
 FOLDER = "photographs"
@@ -264,13 +264,3 @@ def _upright(found: HeapInPicture, shown: tuple[float, float, float, float], low
     cv2 = opencv()
     border = cv2.BORDER_REPLICATE
     return cv2.remap(found.picture.colours, columns, lines, cv2.INTER_LINEAR, borderMode=border)
-
-
-__all__ = [
-    "FOLDER",
-    "KeptPicture",
-    "KnownOfPicture",
-    "Picture",
-    "measure_once",
-    "version_of_code",
-]

@@ -159,6 +159,3 @@ def measure_drum_once(
 
     stem = groups[0][0].stem
     return kept_once(folder, stem, what, KeptDrum.from_json, measured, keep_version=keep_version)
-
-
-__all__ = ["KeptDrum", "KeptSeries", "measure_drum_once"]

@@ -74,6 +74,3 @@ def _read(path: Path, from_json: Callable[[Any], Kept]) -> Kept | None:
         return from_json(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return None
-
-
-__all__ = ["kept_once"]

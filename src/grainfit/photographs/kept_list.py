@@ -142,14 +142,3 @@ def _target(data: Any) -> KeptTarget | None:
     except (ValueError, KeyError, TypeError, AttributeError):
         return None
     return KeptTarget(response, result, list(heaps.values()), refused)
-
-
-__all__ = [
-    "LIST_NAME",
-    "KeptPictures",
-    "KeptTarget",
-    "hash_of",
-    "kept_pictures",
-    "read_list",
-    "write_list",
-]

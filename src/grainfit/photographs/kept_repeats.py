@@ -155,6 +155,3 @@ def _once(
 
     stem, what = next(iter(hashes)).stem, [*hashes.values(), *known]
     return kept_once(folder, stem, what, KeptRepeats.from_json, measured, keep_version=keep_version)
-
-
-__all__ = ["SLOPE", "KeptRepeats", "draw_downs_once", "slopes_once"]

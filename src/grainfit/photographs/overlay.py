@@ -130,6 +130,3 @@ def _wrapped(draw: ImageDraw.ImageDraw, text: str, width: float, size: int) -> l
         else:
             lines[-1] = longer
     return lines
-
-
-__all__ = ["OUTLINE", "PLATE", "draw_line", "draw_overlay", "write_page"]

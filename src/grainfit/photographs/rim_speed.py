@@ -117,6 +117,3 @@ def _refined(waves: Waves, speed: float, interval: float) -> Response:
     error = float(means.std(ddof=1)) / math.sqrt(float(((middles - middles.mean()) ** 2).sum()))
     error = math.hypot(error, _AHEAD / frames)
     return Response(speed / interval, error / interval)
-
-
-__all__ = ["rim_of", "rotational_speed"]

@@ -90,6 +90,3 @@ def with_sources(found: Response, parts: Mapping[str, float]) -> str:
     """Return an angle in words, with the parts of its standard uncertainty by their source."""
     sources = ", ".join(f"{name} {part:.2f}°" for name, part in parts.items())
     return f"{found.value:.2f} ± {found.standard_error:.2f} deg ({sources})"
-
-
-__all__ = ["mean_of_repeats", "measure_each", "with_sources"]

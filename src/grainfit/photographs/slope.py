@@ -295,6 +295,3 @@ def _refined(colours: NDArray[np.uint8], edge: Edge) -> tuple[Edge, float]:
 def _halves(steps: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     first = steps < (steps[0] + steps[-1]) / 2
     return first, ~first
-
-
-__all__ = ["LEVEL", "Edge", "Points", "SlopeInPicture", "measure_slope"]

@@ -120,6 +120,3 @@ def _draw(draw: ImageDraw.ImageDraw, found: SlopeInPicture, width: int) -> str:
     draw_line(draw, level, PLATE, width)
     draw_line(draw, np.array([edge.start, edge.end]), FLANK, width)
     return f"{found.angle:.2f}° ± {found.uncertainty:.2f}° (horizontal {found.seen_by})"
-
-
-__all__ = ["PhotographedSlopes", "photo_slopes"]

@@ -89,6 +89,3 @@ def _reduced(colours: Colours) -> Colours:
         colours = cv2.resize(colours, size, interpolation=cv2.INTER_AREA)
     found: Colours = cv2.cvtColor(colours, cv2.COLOR_BGR2RGB)
     return found
-
-
-__all__ = ["SUFFIXES", "Video", "is_video"]
