@@ -146,6 +146,17 @@ def test_the_site_is_built_without_a_warning(theme: str, tmp_path: Path) -> None
         assert found["cylinder_radius"][0].startswith("reference/calibration_file/tests/")
 
 
+def test_every_import_of_the_pages_works() -> None:
+    pages = [path.read_text(encoding="utf-8") for path in (*DOCS.rglob("*.md"), ROOT / "README.md")]
+    blocks = re.findall(r"```python\n(.*?)```", "\n".join(pages), re.DOTALL)
+    found = {
+        line for block in blocks for line in re.findall(r"(?m)^from grainfit.* import .*", block)
+    }
+    assert found
+    for line in sorted(found):
+        exec(line.replace("import (", "import *"), {})
+
+
 def test_dir_shows_the_names_of_the_reference_and_no_others() -> None:
     page = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
     listed: dict[str, set[str]] = {}

@@ -169,8 +169,6 @@ HOLDOUT_UNMEASURED = Message("It has no measured value: what is expected will be
 NO_ACCURACY = Message("{given!r} has no value.", "Write NAME=VALUE.")
 NO_BULK_TEST = Message("{name!r} is not a bulk test.", "{remedy}")
 NO_RESPONSE_OF_TESTS = Message("is no response of a bulk test.", "{remedy}")
-NO_PARSL_CONFIG = Message("is {given}.", "{remedy}")
-BAD_PARSL_CONFIG = Message("is {given}: {reason}", "{remedy}")
 UNIT_OF_OWN_MODEL = Message(
     "is {written}, which cannot be converted to {of_model} = {own}.",
     "Name a unit of the same dimension there, or convert the column.",

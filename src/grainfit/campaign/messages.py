@@ -118,6 +118,9 @@ NO_JOB_STARTS = Message(
 )
 
 # Options of a cluster.
+_PARSL_CONFIG = 'Write the file and the name of the parsl.Config in it: "my_parsl.py:config".'
+NO_PARSL_CONFIG = Message("is {given}.", _PARSL_CONFIG)
+BAD_PARSL_CONFIG = Message("is {given}: {reason}", _PARSL_CONFIG)
 NOT_KNOWN = Message("is {given!r}.", "There is: {known}.")
 BELOW_ONE = Message("is {given}.", "It must be at least 1.")
 BESIDE_PARSL = Message("has no effect beside parsl.", "Set it in your Parsl configuration instead.")

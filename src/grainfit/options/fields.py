@@ -52,9 +52,10 @@ def option(
     example: str,
     default: Any = None,
     default_text: str = "",
+    kw_only: bool = True,
     **remarks: str,
 ) -> Any:
-    """Declare an option as a field of a dataclass; it is given by keyword only.
+    """Declare an option as a field of a dataclass.
 
     Parameters
     ----------
@@ -68,6 +69,8 @@ def option(
         Value of the field when it is not given; a `Derived` one leaves the field None.
     default_text : str
         The default for readers; the value itself when there is one.
+    kw_only : bool
+        Whether it is given by keyword only.
     **remarks : str
         For those who read the declarations by `option_remarks`.
     """
@@ -77,7 +80,7 @@ def option(
     elif default is not None:
         default_text = default_text or f"{default} {getattr(kind, 'unit', '') or ''}".rstrip()
     declaration = _Declaration(kind, description, default_text, example, derived, remarks)
-    return field(default=default, kw_only=True, metadata={_METADATA: declaration})
+    return field(default=default, kw_only=kw_only, metadata={_METADATA: declaration})
 
 
 def derived_defaults(owner: type) -> dict[str, Derived]:

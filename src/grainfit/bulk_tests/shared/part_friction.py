@@ -36,7 +36,7 @@ class PartFriction(Quantity):
         return {"anyOf": [*accepted["anyOf"], {"const": AS_PARTICLES}]}
 
 
-def friction_option(kind: str, part: str, what: str, example: str, **remarks: str) -> Any:
+def friction_option(kind: str, part: str, what: str, example: str, **remarks: Any) -> Any:
     """Return the option of the friction of a part, by default that of the walls.
 
     Parameters

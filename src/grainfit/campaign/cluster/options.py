@@ -7,44 +7,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from grainfit.campaign import messages
+from grainfit.campaign.cluster.parsl_configuration import ParslConfiguration
 from grainfit.campaign.cluster.schedulers import SCHEDULERS
 from grainfit.errors import Fault, InputError
+from grainfit.options.fields import option
+from grainfit.options.kinds import Choice, ListOf, Quantity, Text, Whole
 
 #: Limits of the time that a job lasts, s.
-SHORTEST_WALLTIME = 60.0
-LONGEST_WALLTIME = 365 * 86400.0
+_SHORTEST, _LONGEST = 60.0, 365 * 86400.0
+_COUNT = Whole(1, 4096)
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.,:@+-]{0,199}")
 
 
 @dataclass(frozen=True)
 class ClusterOptions:
-    """Options of the cluster jobs that execute DEM runs.
-
-    Parameters
-    ----------
-    scheduler : {"slurm", "pbs", "sge", "lsf", "local"}
-        Scheduler of the cluster; ``local`` for runs on this machine.
-    partition, account : str, optional
-        Partition (queue) and account (project) of the jobs; the scheduler's defaults otherwise.
-    walltime : float, optional
-        Longest duration of a job, s, rounded down to whole minutes. Required with jobs and without
-        ``parsl``.
-    jobs : int
-        Largest number of jobs at a time.
-    runs_per_job : int
-        Runs at a time in one job.
-    cores_per_run : int, optional
-        Cores per run, 1 by default; a job requests the cores of all its runs.
-    setup : tuple of str
-        Shell lines that a job executes first, such as ``module load liggghts``.
-    options : tuple of str
-        Further directives for the scheduler, such as ``--mem=4G``.
-    parallel_environment : str, optional
-        Parallel environment of Grid Engine that gives a job several cores of one node; ``smp`` by
-        default.
-    parsl : str, optional
-        ``"file.py:name"``: a custom Parsl configuration. It replaces all other options except
-        ``jobs`` and ``runs_per_job``, which then give the number of runs at a time.
+    """Options of the cluster jobs that execute DEM runs: the fields below, as in the file.
 
     Raises
     ------
@@ -52,17 +29,65 @@ class ClusterOptions:
         Options that cannot be used; lists all faults.
     """
 
-    scheduler: str = "slurm"
-    partition: str | None = None
-    account: str | None = None
-    walltime: float | None = None
-    jobs: int = 1
-    runs_per_job: int = 1
-    cores_per_run: int | None = None
-    setup: tuple[str, ...] = ()
-    options: tuple[str, ...] = ()
-    parallel_environment: str | None = None
-    parsl: str | None = None
+    scheduler: str = option(
+        Choice(tuple(SCHEDULERS)),
+        "Scheduler of the cluster; local for runs on this machine.",
+        example='"slurm"',
+        default="slurm",
+        kw_only=False,
+    )
+    partition: str | None = option(
+        Text(),
+        "Partition (queue) of the jobs.",
+        example='"short"',
+        default_text="the scheduler's own",
+    )
+    account: str | None = option(
+        Text(),
+        "Account (project) to charge.",
+        example='"bulk-solids"',
+        default_text="the scheduler's own",
+    )
+    walltime: float | None = option(
+        Quantity("s", lowest=_SHORTEST, highest=_LONGEST),
+        "Longest duration of a job, rounded down to whole minutes. Required with jobs and without "
+        "parsl.",
+        example='"2 h"',
+    )
+    jobs: int = option(_COUNT, "Largest number of jobs at a time.", example="4", default=1)
+    runs_per_job: int = option(_COUNT, "Runs at a time in one job.", example="16", default=1)
+    cores_per_run: int | None = option(
+        _COUNT,
+        "Cores that a run takes; a job requests the cores of all its runs.",
+        example="4",
+        default_text="the ranks of the tests",
+    )
+    setup: tuple[str, ...] = option(
+        ListOf(Text()),
+        "Shell lines that a job executes first.",
+        example='["module load liggghts"]',
+        default=(),
+        default_text="none",
+    )
+    options: tuple[str, ...] = option(
+        ListOf(Text()),
+        "Further directives for the scheduler.",
+        example='["--mem=4G", "--constraint=skylake"]',
+        default=(),
+        default_text="none",
+    )
+    parallel_environment: str | None = option(
+        Text(),
+        "Parallel environment of Grid Engine that gives a job several cores of one node.",
+        example='"smp"',
+        default_text="smp",
+    )
+    parsl: str | None = option(
+        ParslConfiguration(),
+        "Custom Parsl configuration, a file and the name in it. It replaces all other options "
+        "except jobs and runs_per_job, which then give the number of runs at a time.",
+        example='"my_parsl.py:config"',
+    )
 
     def __post_init__(self) -> None:
         faults = list(self._faults())
@@ -103,7 +128,7 @@ class ClusterOptions:
         if self.walltime is None:
             if self.scheduler != "local":
                 yield messages.NO_WALLTIME.fault("walltime")
-        elif not SHORTEST_WALLTIME <= self.walltime <= LONGEST_WALLTIME:
+        elif not _SHORTEST <= self.walltime <= _LONGEST:
             yield messages.WALLTIME.fault("walltime", given=self.walltime)
         for line in self.setup:
             if not line.strip() or not line.isprintable():
