@@ -4,7 +4,7 @@ LAMMPS has several laws, which tell what a difference between programs comes fro
 stiffness times displacement (``mindlin``, as grainfit uses it), sums of force increments
 (``mindlin/force``), and both with a smaller force while a contact unloads (``mindlin_rescale``).
 
-    python benchmarks/tangential_laws.py
+    python -m benchmarks.tangential_laws
 
 Prints the tangential restitution of Chung & Ooi's fourth impact over the angle of incidence, and
 the share of the kinetic energy that 512 spheres without gravity keep (restitution 1, friction 10).
@@ -16,6 +16,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
 
@@ -26,12 +27,8 @@ import numpy as np
 from grainfit.bulk_tests.heap import Heap
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.lammps import HertzMindlinLammps
-from grainfit.materials.sizes import ParticleSizes
-from grainfit.scenes.conditions import Elapsed
-from grainfit.scenes.packing import Column
-from grainfit.scenes.records import KineticEnergy, Series
 from grainfit.scenes.run_output import RunOutput
-from grainfit.scenes.scene import Box, Scene, Stage
+from grainfit.scenes.scene import Scene
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.impact_contract import (
@@ -40,11 +37,10 @@ from grainfit.testing.impact_contract import (
     impact_material,
 )
 from grainfit.testing.materials import GLASS_BEADS
+from studies.benchmarks.gas import gas_scene
 
 LAWS = ("mindlin", "mindlin/force", "mindlin_rescale", "mindlin_rescale/force")
 BODY = "oxide"
-DIAMETER, SIDE, SPEED, SECONDS = 0.01, 8, 0.5, 1.0
-SPACING = 1.5
 
 
 @contextmanager
@@ -81,33 +77,12 @@ def tangential_restitution(solver: str) -> list[float]:
 
 def energy_kept(solver: str) -> float:
     """Return the share of the kinetic energy that a gas of sticking spheres keeps."""
-    side = SPACING * DIAMETER * SIDE
-    grid = np.array(np.meshgrid(*[np.arange(SIDE)] * 3)).reshape(3, -1).T
-    places = (grid + 0.5) * side / SIDE
-    velocities = np.random.default_rng(1).normal(size=places.shape)
-    velocities -= velocities.mean(axis=0)
-    velocities *= SPEED / np.sqrt((velocities**2).mean())
     values = {name: 0.0 if "rolling" in name else value for name, value in GLASS_BEADS.items()}
     contact = {"restitution": 1.0, "sliding_friction": 10.0}
     values |= {f"particle_particle.{name}": value for name, value in contact.items()}
-    sizes = ParticleSizes((DIAMETER,), (1.0,))
-    energy = Series({"energy": KineticEnergy()}, SECONDS / 100)
-    scene = Scene(
-        title="Gas",
-        material=values,
-        sizes=sizes,
-        particles=Column(places, np.zeros(len(places), int), side, velocities),
-        box=Box((0, 0, 0), (side, side, side), periodic="xyz"),
-        walls={},
-        stages=(Stage("gas", Elapsed(SECONDS), series=energy),),
-        gravity=0.0,
-        time_step=1e-5,
-        quiet_speed=1e-9,
-        check_interval=SECONDS,
-    )
-    found = simulate(solver, scene).series("gas")["energy"]
-    before = 0.5 * len(places) * values["particle.density"] * np.pi / 6 * DIAMETER**3
-    return float(found[-1] / (before * (velocities**2).sum(axis=1).mean()))
+    scene = replace(gas_scene(values, spacing=1.5, seconds=1.0, seed=1), time_step=1e-5)
+    energy = simulate(solver, scene).series("gas")["energy"]
+    return float(energy[-1] / scene.initial_energy)
 
 
 def main() -> None:

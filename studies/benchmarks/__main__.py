@@ -13,6 +13,7 @@ from grainfit.errors import GrainfitError
 from studies.benchmarks import gas, impacts, packings
 from studies.benchmarks.drum_pictures import measure_pictures
 from studies.benchmarks.page import KEPT, KEPT_GASES, KEPT_PACKINGS, write_page
+from studies.names import one_of
 
 #: Steps that simulate: runs of some solvers, where they are kept, what makes one.
 SIMULATED: Mapping[str, tuple[Callable[..., Any], Path, Callable[..., Any]]] = {
@@ -33,7 +34,9 @@ def main(
     steps: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[STEP]...", help=f"Of {', '.join(STEPS)}. By default, all but pictures."
+            metavar="[STEP]...",
+            help=f"Of {', '.join(STEPS)}. By default, all but pictures.",
+            parser=one_of("step", STEPS),
         ),
     ] = None,
     solvers: Annotated[
@@ -46,8 +49,6 @@ def main(
 ) -> None:
     """Make the benchmarks, or some steps of them."""
     wanted = steps or [step for step in STEPS if step != "pictures"]
-    if unknown := [step for step in wanted if step not in STEPS]:
-        raise typer.BadParameter(f"There is no step {unknown[0]!r}.")
     try:
         for step, (runs_of, kept, simulate) in SIMULATED.items():
             if step in wanted and (runs := runs_of(solvers or impacts.SOLVERS)):

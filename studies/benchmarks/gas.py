@@ -56,28 +56,8 @@ def all_gases(solvers: Sequence[str]) -> list[Gas]:
 
 def simulate(run: Gas) -> dict[str, Any]:
     """Simulate; return growth of the energy, rate of cooling over Haff's, and processor time, s."""
-    sizes = ParticleSizes((DIAMETER,))
     values = {**material(run.restitution), "particle.youngs_modulus": MODULUS}
-    side = SPACING * DIAMETER * SIDE
-    grid = np.array(np.meshgrid(*[np.arange(SIDE)] * 3)).reshape(3, -1).T
-    places = (grid + 0.5) * side / SIDE
-    velocities = np.random.default_rng(run.seed).normal(size=places.shape)
-    velocities -= velocities.mean(axis=0)
-    velocities *= SPEED / np.sqrt((velocities**2).mean())
-    series = Series({"energy": KineticEnergy()}, SECONDS / 100)
-    scene = Scene(
-        title="Gas",
-        material=values,
-        sizes=sizes,
-        particles=Column(places, np.zeros(len(places), int), side, velocities),
-        box=Box((0, 0, 0), (side, side, side), periodic="xyz"),
-        walls={},
-        stages=(Stage("gas", Elapsed(SECONDS), series=series),),
-        gravity=0.0,
-        time_step=time_step(sizes, values, 0.1),
-        quiet_speed=1e-9,
-        check_interval=SECONDS,
-    )
+    scene = gas_scene(values, SPACING, SECONDS, run.seed)
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     with tempfile.TemporaryDirectory() as folder:
         program = DEM_PROGRAMS[run.solver](Heap(diameter="10 mm"), {})
@@ -93,6 +73,43 @@ def simulate(run: Gas) -> dict[str, Any]:
         "rate": rate,
         "seconds": round(seconds, 2),
     }
+
+
+def gas_scene(values: Mapping[str, float], spacing: float, seconds: float, seed: int) -> Scene:
+    """Return spheres on a lattice in a periodic box, with velocities but without a mean one.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Material parameters.
+    spacing : float
+        Distance of neighbours in diameters.
+    seconds : float
+        Simulated time, s.
+    seed : int
+        Of the velocities.
+    """
+    sizes = ParticleSizes((DIAMETER,))
+    series = Series({"energy": KineticEnergy()}, seconds / 100)
+    side = spacing * DIAMETER * SIDE
+    grid = np.array(np.meshgrid(*[np.arange(SIDE)] * 3)).reshape(3, -1).T
+    places = (grid + 0.5) * side / SIDE
+    velocities = np.random.default_rng(seed).normal(size=places.shape)
+    velocities -= velocities.mean(axis=0)
+    velocities *= SPEED / np.sqrt((velocities**2).mean())
+    return Scene(
+        title="Gas",
+        material=values,
+        sizes=sizes,
+        particles=Column(places, np.zeros(len(places), int), side, velocities),
+        box=Box((0, 0, 0), (side, side, side), periodic="xyz"),
+        walls={},
+        stages=(Stage("gas", Elapsed(seconds), series=series),),
+        gravity=0.0,
+        time_step=time_step(sizes, values, 0.1),
+        quiet_speed=1e-9,
+        check_interval=seconds,
+    )
 
 
 def cooling(records: Mapping[Gas, Mapping[str, Any]], solver: str) -> tuple[float, float]:

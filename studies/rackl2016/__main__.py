@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 from grainfit.cli.console import print_error
 from grainfit.errors import GrainfitError
 from grainfit.testing.materials import GLASS_BEADS
+from studies.names import one_of
 from studies.rackl2016.plan import STEPS, all_tasks
 from studies.rackl2016.setting import make_solver
 from studies.rackl2016.tasks import Report, Results, Study, Task
@@ -37,6 +38,7 @@ def main(
         typer.Argument(
             metavar="[STEP]...",
             help=f"Of {', '.join(STEPS)}, estimate, report. All, and the report, by default.",
+            parser=one_of("step", (*STEPS, "estimate", "report")),
         ),
     ] = None,
     workdir: Annotated[
@@ -49,8 +51,6 @@ def main(
 ) -> None:
     """Make the study, or some steps of it."""
     wanted = steps or [*STEPS, "report"]
-    if unknown := [step for step in wanted if step not in (*STEPS, "estimate", "report")]:
-        raise typer.BadParameter(f"There is no step {unknown[0]!r}.")
     try:
         _make(wanted, workdir, workers, only)
     except KeyboardInterrupt:

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from studies.names import one_of
 from studies.real_materials.page import KEPT, MATERIALS, ROOT, write_page
 
 app = typer.Typer(
@@ -23,7 +24,11 @@ app = typer.Typer(
 def main(
     materials: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[MATERIAL]...", help=f"Of {', '.join(MATERIALS)}; all by default."),
+        typer.Argument(
+            metavar="[MATERIAL]...",
+            help=f"Of {', '.join(MATERIALS)}; all by default.",
+            parser=one_of("material", MATERIALS),
+        ),
     ] = None,
     workdir: Annotated[Path, typer.Option(metavar="DIR", help="Where runs are kept.")] = Path(
         "real_materials.study"
@@ -31,8 +36,6 @@ def main(
 ) -> None:
     """Run the calibrations that have no kept result, and write the table."""
     wanted = materials or list(MATERIALS)
-    if unknown := [name for name in wanted if name not in MATERIALS]:
-        raise typer.BadParameter(f"There is no material {unknown[0]!r}.")
     for name in wanted:
         kept = KEPT / name / "result.json"
         if not kept.exists():
