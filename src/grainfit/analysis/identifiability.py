@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
+from grainfit.analysis import messages
 from grainfit.analysis.intervals import parameter_intervals
 from grainfit.analysis.posterior import Posterior
-from grainfit.formatting import ends, number, unit_for_people, with_unit
+from grainfit.formatting import ends, in_a_row, number, unit_for_people, with_unit
 from grainfit.one_line import one_line
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
@@ -109,22 +110,23 @@ def assess_identifiability(
     """
     directions = _directions(posterior, posterior.names)
     intervals = parameter_intervals(posterior, problem, answer, biases)
-    narrowing = {p.name: _narrowing(p, intervals[p.name]) for p in problem.parameters}
+    found = [(p, intervals[p.name]) for p in problem.parameters]
+    widths = {p.name: narrowing(p, interval.low, interval.high) for p, interval in found}
     own = {p.name for p in problem.measured}
-    groups = _inseparable(posterior, {n: w for n, w in narrowing.items() if n not in own})
+    groups = _inseparable(posterior, {n: w for n, w in widths.items() if n not in own})
     grouped = {name for group in groups for name in group}
     parameters = {parameter.name: parameter for parameter in problem.parameters}
-    alone = sorted((n for n in narrowing if n not in grouped), key=lambda n: -narrowing[n])
-    is_open = [name for name in alone if narrowing[name] > DETERMINED and name not in own]
+    alone = sorted((n for n in widths if n not in grouped), key=lambda n: -widths[n])
+    is_open = [name for name in alone if widths[name] > DETERMINED and name not in own]
     verdicts = [_verdict_of_group(posterior, parameters, group) for group in groups]
     verdicts += [
         _verdict(posterior, parameters[name], intervals[name], (answer or {}).get(name))
-        + _what_would_narrow_it(posterior, name, narrowing)
+        + _what_would_narrow_it(posterior, name, widths)
         for name in alone
     ]
     return Identifiability(
         directions=directions,
-        narrowing=narrowing,
+        narrowing=widths,
         verdicts=tuple(verdicts),
         further_tests=(
             *(separating_tests(group, problem.responses) for group in groups),
@@ -153,10 +155,6 @@ def _directions(posterior: Posterior, names: Sequence[str]) -> tuple[Direction, 
             )
         )
     return tuple(directions)
-
-
-def _narrowing(parameter: Parameter, found: ParameterInterval) -> float:
-    return narrowing(parameter, found.low, found.high)
 
 
 # Ridges -------------------------------------------------------------------------------------
@@ -233,18 +231,18 @@ def _verdict_of_group(
 ) -> str:
     stops = _stops(posterior, group)
     values = {name: posterior.values[stops, posterior.names.index(name)] for name in group}
-    whole = f"{', '.join(group[:-1])} and {group[-1]} cannot be told apart by these tests:"
+    names = in_a_row(group)
     if len(group) == 2:
         along = ", ".join(
             _with_unit(f"{name} {' → '.join(map(_shown, values[name]))}", parameters[name])
             for name in group
         )
-        return f"{whole} any pair along {along} fits."
+        return messages.PAIRS_FIT(names=names, along=along)
     sets = (
         ", ".join(_with_unit(f"{n} {_shown(values[n][stop])}", parameters[n]) for n in group)
         for stop in range(len(stops))
     )
-    return f"{whole} {' fits as well as '.join(sets)}."
+    return messages.SETS_FIT(names=names, sets=" fits as well as ".join(sets))
 
 
 def _verdict(
@@ -253,26 +251,27 @@ def _verdict(
     name = parameter.name
     between = _with_unit(ends(found.low, found.high), parameter)
     if parameter.measured is not None:
-        return f"{name} is known from its own measurement: {between} with 95 % probability."
+        return messages.KNOWN_BY_ITSELF(name=name, between=between)
     if found.determination == "not determined":
-        fits = _parts_that_fit(posterior, parameter) or f"{between} with 95 % probability"
-        return f"{name} is not determined: {fits}."
+        if parts := _parts_that_fit(posterior, parameter):
+            return messages.PARTS_FIT(name=name, parts=parts)
+        return messages.NOT_DETERMINED(name=name, between=between)
     bound = bound_reached(parameter, found)
-    but = f", up to its bound {bound}" if bound else ""
-    but += f", but biased: {found.bias}" if found.bias else ""
+    but = messages.UP_TO_BOUND(bound=bound) if bound else ""
+    but += messages.BUT_BIASED(bias=found.bias) if found.bias else ""
     if found.determination == "narrowed":
-        return f"{name} is only narrowed: {between} with 95 % probability{but}."
+        return messages.NARROWED(name=name, between=between, but=but)
     value = posterior.median(name) if answer is None else answer
     if share := found.percentage(value):
-        return f"{name} is determined to {share} ({between}){but}."
-    return f"{name} is determined: {between} with 95 % probability{but}."
+        return messages.DETERMINED_TO(name=name, share=share, between=between, but=but)
+    return messages.DETERMINED(name=name, between=between, but=but)
 
 
 def _parts_that_fit(posterior: Posterior, parameter: Parameter) -> str:
     """Return the ranges of a parameter that fit, where there are several."""
     ranges = _occupied(posterior, parameter)
     parts = " or ".join(f"{_shown(low)} to {_shown(high)}" for low, high in ranges)
-    return f"{_with_unit(parts, parameter)} fits" if len(ranges) > 1 else ""
+    return _with_unit(parts, parameter) if len(ranges) > 1 else ""
 
 
 def _occupied(posterior: Posterior, parameter: Parameter) -> list[tuple[float, float]]:
@@ -299,7 +298,7 @@ def _what_would_narrow_it(posterior: Posterior, name: str, narrowing: dict[str, 
         for other in posterior.names
         if narrowing[other] > DETERMINED and _dependence(posterior, name, other) >= _STRONG
     ]
-    return f" It would be known better if {' or '.join(tied)} were." if tied else ""
+    return f" {messages.KNOWN_BETTER_IF(others=' or '.join(tied))}" if tied else ""
 
 
 def _with_unit(text: str, parameter: Parameter) -> str:

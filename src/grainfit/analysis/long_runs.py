@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from grainfit.analysis import messages
 from grainfit.analysis.recorded_size import changes_in_words
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import BulkTest
@@ -44,10 +45,10 @@ def _note(name: str, context: CheckContext) -> str:
     if cost is None or cost.wall_seconds <= _LONG:
         return ""
     offers = [*_coarser(name, test, context), *_twin(name, test, context)]
-    words = f"Test {name}: a run takes about {duration(cost.wall_seconds)}."
+    words = [messages.LONG_RUN(test=name, time=duration(cost.wall_seconds))]
     if why := solver.starts_anew(middle):
-        words += f" One that is killed starts anew: {why}."
-    return " ".join([words, *offers])
+        words.append(messages.STARTS_ANEW(why=why))
+    return " ".join([*words, *offers])
 
 
 def _coarser(name: str, test: BulkTest, context: CheckContext) -> Iterator[str]:
@@ -57,11 +58,11 @@ def _coarser(name: str, test: BulkTest, context: CheckContext) -> Iterator[str]:
         return
     faster = solver.estimate_cost_of(larger[name], solver.run_parameters(context.problem.middle))
     moved = changes_in_words(test, context.targets_of(name), faster.particles)
-    yield (
-        f"With {factor_words(larger)} it takes about {duration(faster.wall_seconds)} "
-        f"({faster.particles} particles). Larger particles in the same apparatus shift "
-        f"responses{moved}, and the calibrated values hold for simulations at that factor: compare "
-        "two factors (docs/coarse_graining.md)."
+    yield messages.FASTER_WITH_LARGER(
+        factor=factor_words(larger),
+        time=duration(faster.wall_seconds),
+        particles=faster.particles,
+        moved=moved,
     )
 
 
@@ -72,10 +73,8 @@ def _twin(name: str, test: BulkTest, context: CheckContext) -> Iterator[str]:
         return
     cost = solver.estimate_cost_of(twin, solver.run_parameters(context.problem.middle))
     moved = changes_in_words(test, context.targets_of(name), cost.particles)
-    yield (
-        f"In an apparatus that holds {cost.particles} of the same particles it takes about "
-        f"{duration(cost.wall_seconds)}{moved}: strategy.twins = {TWIN} searches in it, predicts "
-        "the real one, and verifies it by one run (docs/size.md)."
+    yield messages.FASTER_IN_SMALLER(
+        particles=cost.particles, time=duration(cost.wall_seconds), moved=moved, twin=TWIN
     )
 
 

@@ -62,3 +62,67 @@ NO_FACTOR = Message("{factor:g} is no factor.", "Give numbers above 0.")
 FEW_FACTORS = Message("{count} given.", "Give two or more, as 1,4,16.")
 MODULUS_OUTSIDE = Message("{value:g} is outside {limits}.", "Give factors nearer to 1.")
 NO_RESPONSE_OF_RUNS = Message("the runs give none of the responses")
+
+# The stiffness of particles.
+A_RUN_FAILED = Message("A run failed: {why}")
+CURVES_NOT_COMPARED = Message("Not compared: {curves}, which {what}.")
+NO_SMALLER_MODULUS = Message(
+    "No smaller modulus gives what {top} gives{misses}.",
+    "Whether {top} is stiff enough is not known: add a larger factor.",
+)
+MODULUS_ENOUGH = Message(
+    "{modulus} is enough: every response is within its tolerance of that at {top}, and at every "
+    "modulus between them."
+)
+MODULUS_IN_DOUBT = Message(
+    "{modulus} is the smallest modulus that may be enough: the scatter leaves open whether "
+    "{responses} {verb} within tolerance of what {top} gives{sure}.",
+    "More seeds tell.",
+)
+DIFFERS_AT_MODULUS = Message(
+    "{response} differs by {difference} at {modulus}, {accepted} are accepted"
+)
+
+# Runs that take long.
+LONG_RUN = Message("Test {test}: a run takes about {time}.")
+STARTS_ANEW = Message("One that is killed starts anew: {why}.")
+FASTER_WITH_LARGER = Message(
+    "With {factor} it takes about {time} ({particles} particles). Larger particles in the same "
+    "apparatus shift responses{moved}, and the calibrated values hold for simulations at that "
+    "factor: compare two factors (docs/coarse_graining.md)."
+)
+FASTER_IN_SMALLER = Message(
+    "In an apparatus that holds {particles} of the same particles it takes about {time}{moved}: "
+    "strategy.twins = {twin} searches in it, predicts the real one, and verifies it by one run "
+    "(docs/size.md)."
+)
+
+# What the tests determine.
+PAIRS_FIT = Message("{names} cannot be told apart by these tests: any pair along {along} fits.")
+SETS_FIT = Message("{names} cannot be told apart by these tests: {sets}.")
+KNOWN_BY_ITSELF = Message(
+    "{name} is known from its own measurement: {between} with 95 % probability."
+)
+PARTS_FIT = Message("{name} is not determined: {parts} fits.")
+NOT_DETERMINED = Message("{name} is not determined: {between} with 95 % probability.")
+NARROWED = Message("{name} is only narrowed: {between} with 95 % probability{but}.")
+DETERMINED = Message("{name} is determined: {between} with 95 % probability{but}.")
+DETERMINED_TO = Message("{name} is determined to {share} ({between}){but}.")
+UP_TO_BOUND = Message(", up to its bound {bound}")
+BUT_BIASED = Message(", but biased: {bias}")
+KNOWN_BETTER_IF = Message("It would be known better if {others} were.")
+
+# Parameters on which responses depend.
+DEPENDS_ON_NONE = Message(
+    "{response} depends on none of the free parameters within their intervals."
+)
+SENSITIVITY_NOT_KNOWN = Message(
+    "On which parameters {response} depends is not known: its metamodel explains too little of the "
+    "runs, and shares of the variance are uncertain by up to {uncertainty:.0f} %.",
+    "More runs, spread over the intervals, or a test that scatters less would tell.",
+)
+DEPENDS_ON = Message("{response} depends on {parameters}{rest}.")
+SHARE = Message("{parameter} ({share:.0f} % of its variance)")
+SHARE_WITH_OTHERS = Message(
+    "{parameter} ({share:.0f} % of its variance, partly together with others)"
+)

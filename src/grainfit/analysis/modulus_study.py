@@ -25,8 +25,6 @@ from grainfit.problem import Target
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.tables import Summary, TextTable
 
-#: Half-width of a 95 % interval, in standard errors.
-
 
 @dataclass(frozen=True)
 class MeanResponse:
@@ -144,13 +142,13 @@ class ModulusStudy(Summary):
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the table and the sentences that `print` and a notebook show."""
         failures = dict.fromkeys(reason for row in self.rows for reason in row.failures)
-        failed = (f"A run failed: {why}" for why in failures)
+        failed = (messages.A_RUN_FAILED(why=why) for why in failures)
         return (self._table(), *self._verdict(), *self._left_out(), *failed)
 
     def _left_out(self) -> Iterator[str]:
         if self.curves:
-            verb = "is a curve" if len(self.curves) == 1 else "are curves"
-            yield f"Not compared: {in_a_row(self.curves)}, which {verb}."
+            what = "is a curve" if len(self.curves) == 1 else "are curves"
+            yield messages.CURVES_NOT_COMPARED(curves=in_a_row(self.curves), what=what)
 
     def _is_complete(self, row: ModulusRow) -> bool:
         return all(target.name in row.responses for target in self.targets)
@@ -187,23 +185,17 @@ class ModulusStudy(Summary):
         top = _in_mpa(self.stiffest.modulus)
         if row is None:
             misses = "; ".join(self._misses())
-            return (
-                f"No smaller modulus gives what {top} gives{f' ({misses})' if misses else ''}. "
-                f"Whether {top} is stiff enough is not known: add a larger factor.",
-            )
+            return (messages.NO_SMALLER_MODULUS(top=top, misses=misses and f" ({misses})"),)
         sure = [t.name for t in self.targets if t.name not in self.in_doubt]
         modulus = _in_mpa(row.modulus)
         if not self.in_doubt:
-            return (
-                f"{modulus} is enough: every response is within its tolerance of that at {top}, "
-                "and at every modulus between them.",
-            )
+            return (messages.MODULUS_ENOUGH(modulus=modulus, top=top),)
         verb = "is" if len(self.in_doubt) == 1 else "are"
         words = f"; {in_a_row(sure)} {'is' if len(sure) == 1 else 'are'}" if sure else ""
         return (
-            f"{modulus} is the smallest modulus that may be enough: the scatter leaves open "
-            f"whether {in_a_row(self.in_doubt)} {verb} within "
-            f"tolerance of what {top} gives{words}. More seeds tell.",
+            messages.MODULUS_IN_DOUBT(
+                modulus=modulus, responses=in_a_row(self.in_doubt), verb=verb, top=top, sure=words
+            ),
         )
 
     def _misses(self) -> list[str]:
@@ -212,8 +204,12 @@ class ModulusStudy(Summary):
         if position == 0 or not self._is_complete(row := self.rows[position - 1]):
             return []
         return [
-            f"{target.name} differs by {amount(self.difference(row, target.name)[0], target)} at "
-            f"{_in_mpa(row.modulus)}, {amount(target.tolerance, target)} are accepted"
+            messages.DIFFERS_AT_MODULUS(
+                response=target.name,
+                difference=amount(self.difference(row, target.name)[0], target),
+                modulus=_in_mpa(row.modulus),
+                accepted=amount(target.tolerance, target),
+            )
             for target in self._differing(row)
         ]
 

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from grainfit.analysis import messages
 from grainfit.analysis.response_surfaces import draw_surfaces
 from grainfit.errors import InputError
+from grainfit.formatting import in_a_row
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
@@ -87,18 +88,15 @@ class Sensitivity:
     def _sentence(self, row: int, response: str) -> str:
         total = self.total[row]
         if not total.any():
-            return f"{response} depends on none of the free parameters within their intervals."
+            return messages.DEPENDS_ON_NONE(response=response)
         if not self.is_known(row):
-            return (
-                f"On which parameters {response} depends is not known: its metamodel explains too "
-                "little of the runs, and shares of the variance are uncertain by up to "
-                f"{100 * self.uncertainty(row):.0f} %. More runs, spread over the intervals, or a "
-                "test that scatters less would tell."
-            )
+            share = 100 * self.uncertainty(row)
+            return messages.SENSITIVITY_NOT_KNOWN(response=response, uncertainty=share)
         order = np.argsort(-total, kind="stable")
         named = [
-            f"{self.names[i]} ({100 * total[i]:.0f} % of its variance"
-            + (", partly together with others)" if self._interacts(row, i) else ")")
+            (messages.SHARE_WITH_OTHERS if self._interacts(row, i) else messages.SHARE)(
+                parameter=self.names[i], share=100 * total[i]
+            )
             for i in order
             if total[i] >= _NAMED or i == order[0]
         ]
@@ -106,9 +104,9 @@ class Sensitivity:
         others = [i for i in order[1:] if total[i] < _NAMED and self.names[i] in known]
         perhaps = [self.names[i] for i in others if self.total_high[row, i] > _PERHAPS]
         hardly = [self.names[i] for i in others if self.total_high[row, i] <= _PERHAPS]
-        rest = f", perhaps on {_listed(perhaps)}" if perhaps else ""
-        rest += f", hardly on {_listed(hardly)}" if hardly else ""
-        return f"{response} depends on {_listed(named)}{rest}."
+        rest = f", perhaps on {in_a_row(perhaps)}" if perhaps else ""
+        rest += f", hardly on {in_a_row(hardly)}" if hardly else ""
+        return messages.DEPENDS_ON(response=response, parameters=in_a_row(named), rest=rest)
 
     def _interacts(self, row: int, column: int) -> bool:
         return bool(self.total[row, column] - self.first[row, column] >= _INTERACTION)
@@ -228,7 +226,3 @@ def _of_surface(surface: Array, dimension: int, chosen: NDArray[np.intp]) -> tup
     whole = 0.5 * ((first - exchanged) ** 2).mean(axis=1)
     # Estimates of shares near 0 or 1 can lie outside that range.
     return np.clip(np.array([alone, whole]) / max(variance, 1e-300), 0.0, 1.0), variance
-
-
-def _listed(words: list[str]) -> str:
-    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))

@@ -266,3 +266,32 @@ CURVE_OF_TABLE = Message(
     "is a curve, and a recorded table holds single numbers only.",
     "Give a value that a column of the table can be compared with.",
 )
+
+# Plan of a calibration.
+CORRELATIONS = Message("Correlations of the errors of the measured values: {pairs}.")
+RAYLEIGH_TIME_STEP = Message(
+    "Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+)
+NO_RAYLEIGH_TIME_STEP = Message(
+    "The Rayleigh time step is not known, so it plays no part in the choice of the answer: "
+    "{missing} {verb} not in the file."
+)
+COST_IN_THE_MIDDLE = Message("In the middle of the intervals: {cost}.")
+PART_OF_SEARCH = Message(
+    "Test {test}: a part of the search runs with {what}, in about {share:.2g} % of the computing "
+    "time; the verdict rests on the others alone."
+)
+DEM_RUNS = Message(
+    "DEM runs: {runs.to_come}, {runs.design} of them for the design; the last {runs.verification} "
+    "or more are fresh seeds at the answer. {workers} at a time. Strategy: {runs.strategy}."
+)
+TIME_OF_RUNS = Message("Time: {time}, by the estimated cost of a run, with a core for each rank.")
+REPEATS = Message("Test {test}: the mean of {count} runs with different seeds is one evaluation.")
+FINEST_CLASS = Message(
+    "The finest class, {diameter}, has {mass} of the mass and {particles} of the particles, and "
+    "sets the time step: without it, a run would take {share:.2g} of the time."
+)
+WITHOUT_FINEST = Message(
+    'With smallest = "{smallest:.3g} mm", which leaves out {which} {mass} of the mass, it would '
+    "take {share:.2g} of the time."
+)

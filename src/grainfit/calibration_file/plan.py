@@ -211,19 +211,17 @@ def _middle(setup: CalibrationSetup) -> dict[str, float]:
 def _correlation_lines(problem: Problem) -> Iterator[str]:
     pairs = [f"{first} and {second} {value:g}" for first, second, value in problem.correlations]
     if pairs:
-        yield f"Correlations of the errors of the measured values: {'; '.join(pairs)}."
+        yield messages.CORRELATIONS(pairs="; ".join(pairs))
 
 
 def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
     problem = setup.problem
     if problem.rayleigh is not None:
         smallest, largest = problem.rayleigh.limits(problem.intervals)
-        yield f"Rayleigh time step within the intervals: {smallest:.4g} to {largest:.4g} s."
+        yield messages.RAYLEIGH_TIME_STEP(smallest=smallest, largest=largest)
     elif missing := setup.missing_for_time_step:
-        yield (
-            "The Rayleigh time step is not known, so it plays no part in the choice of the answer: "
-            f"{in_a_row(missing)} {'is' if len(missing) == 1 else 'are'} not in the file."
-        )
+        verb = "is" if len(missing) == 1 else "are"
+        yield messages.NO_RAYLEIGH_TIME_STEP(missing=in_a_row(missing), verb=verb)
 
 
 def _has_code(solver: Solver) -> bool:
@@ -233,16 +231,15 @@ def _has_code(solver: Solver) -> bool:
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
     cost = solver.estimate_cost(problem.middle)
     if cost is not None:
-        yield f"  In the middle of the intervals: {cost}."
+        yield f"  {messages.COST_IN_THE_MIDDLE(cost=cost)}"
 
 
 def _relative_lines(setup: CalibrationSetup) -> Iterator[str]:
     for relative in setup.relative_costs:
-        share = f"{100 * (relative.cost or 0.0):.2g} %"
-        yield (
-            f"Test {relative.of}: a part of the search runs with {what_differs(setup.strategy)}, "
-            f"in about {share} of the computing time; the verdict rests on the "
-            "others alone."
+        yield messages.PART_OF_SEARCH(
+            test=relative.of,
+            what=what_differs(setup.strategy),
+            share=100 * (relative.cost or 0.0),
         )
 
 
@@ -260,16 +257,12 @@ def _twin_lines(setup: CalibrationSetup) -> Iterator[str]:
 
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:
-    yield (
-        f"DEM runs: {runs.to_come}, {runs.design} of them for the design; the last "
-        f"{runs.verification} or more are fresh seeds at the answer. "
-        f"{setup.workers} at a time. Strategy: {runs.strategy}."
-    )
+    yield messages.DEM_RUNS(runs=runs, workers=setup.workers)
     if time is not None:
-        yield f"Time: {time}, by the estimated cost of a run, with a core for each rank."
+        yield messages.TIME_OF_RUNS(time=time)
     for test, count in setup.repeats.items():
         if count > 1:
-            yield f"Test {test}: the mean of {count} runs with different seeds is one evaluation."
+            yield messages.REPEATS(test=test, count=count)
 
 
 def holdout_line(holdout: Holdout, problem: Problem, workers: int) -> str:
@@ -320,21 +313,24 @@ def _price(
         share = _seconds(_with_sizes(tests, sizes.without(finest)), material) / whole
         if share > _HARDLY_FASTER:
             return
-        yield (
-            f"  The finest class, {millimetres(sizes.real.diameters[finest])}, has "
-            f"{percent(sizes.mass_fractions[finest])} of the mass and "
-            f"{percent(sizes.number_fractions[finest])} of the particles, and sets the time step: "
-            f"without it, a run would take {share:.2g} of the time."
+        finest_class = messages.FINEST_CLASS(
+            diameter=millimetres(sizes.real.diameters[finest]),
+            mass=percent(sizes.mass_fractions[finest]),
+            particles=percent(sizes.number_fractions[finest]),
+            share=share,
         )
+        yield f"  {finest_class}"
         if sizes.origin is not None:
             limit, rest = sizes.origin.without_finest(_FINEST)
             rest = rest.coarse_grained(sizes.coarse_graining)
             share = _seconds(_with_sizes(tests, rest), material) / whole
-            yield (
-                f'  With smallest = "{1000 * limit:.3g} mm", which leaves out '
-                f"{'another' if sizes.origin.is_cut_below else 'the finest'} {percent(_FINEST)} of "
-                f"the mass, it would take {share:.2g} of the time."
+            without_finest = messages.WITHOUT_FINEST(
+                smallest=1000 * limit,
+                which="another" if sizes.origin.is_cut_below else "the finest",
+                mass=percent(_FINEST),
+                share=share,
             )
+            yield f"  {without_finest}"
     except InputError:
         # A test that is impossible with other sizes has no price.
         return

@@ -699,10 +699,7 @@ class Kriging:
         """
         quality = self.leave_one_out()
         if math.isnan(quality.q2):
-            return [
-                f"All {self.n} runs gave the same value: the response does not depend on the free "
-                "parameters, or it is not measured."
-            ]
+            return [messages.SAME_VALUE(runs=self.n)]
         found = [
             self._warning_of_few_runs(),
             self._warning_of_q2() if spread else "",
@@ -715,10 +712,7 @@ class Kriging:
         needed = 2 * (d + 1)
         if self.n >= needed:
             return ""
-        return (
-            f"Only {self.n} runs for {d} free parameters: at least {needed} are needed to "
-            "tell a trend from chance."
-        )
+        return messages.FEW_RUNS(runs=self.n, parameters=d, needed=needed)
 
     def _warning_of_q2(self) -> str:
         quality = self.leave_one_out()
@@ -728,17 +722,8 @@ class Kriging:
         spread = self._scale * float(values.std())
         noise = self.noise_standard_deviation
         if noise**2 >= (1.0 - POOR_Q2) * spread**2:
-            return (
-                f"Q2 = {quality.q2:.2f}: the response varies by {spread:.3g} (standard deviation) "
-                f"over the runs and scatters by {noise:.3g} from run to run; within these "
-                "intervals it hardly depends on the free parameters, or too few runs show how. "
-                "Widen the intervals, run more simulations, or choose another test."
-            )
-        return (
-            f"Q2 = {quality.q2:.2f}: a run left out is predicted hardly better than by the mean "
-            f"of the others, and the scatter from run to run ({noise:.3g}, of {spread:.3g} over "
-            "the runs) does not explain it. More runs are needed, or narrower intervals."
-        )
+            return messages.SCATTERS(q2=quality.q2, spread=spread, noise=noise)
+        return messages.UNEXPLAINED(q2=quality.q2, spread=spread, noise=noise)
 
     def _warning_of_coverage(self) -> str:
         # Loaded late, because it takes half a second.
@@ -748,11 +733,7 @@ class Kriging:
         inside = round(quality.coverage * self.n)
         if float(binom.cdf(inside, self.n, 0.95)) >= 0.01:
             return ""
-        return (
-            f"Only {100 * quality.coverage:.0f} % of the runs lie inside their 95 % intervals when "
-            "they are left out: the metamodel is too certain. Look for outliers among "
-            "the runs, or run more simulations."
-        )
+        return messages.TOO_CERTAIN(coverage=100 * quality.coverage)
 
 
 class _Data(NamedTuple):

@@ -26,3 +26,29 @@ BLOWN_UP_RUNS = Message(
 FEW_RESPONSES = Message("only {known} of {runs} gave the response {name!r}, at {places}")
 FEW_PLACES = Message("{runs} gave the response {name!r}, at only {places}")
 NO_METAMODEL = Message("{few}, and {needed} are needed for its metamodel.{because}")
+
+# Reasons not to trust a metamodel.
+SAME_VALUE = Message(
+    "All {runs} runs gave the same value: the response does not depend on the free parameters, or "
+    "it is not measured."
+)
+FEW_RUNS = Message(
+    "Only {runs} runs for {parameters} free parameters: at least {needed} are needed to tell a "
+    "trend from chance."
+)
+SCATTERS = Message(
+    "Q2 = {q2:.2f}: the response varies by {spread:.3g} (standard deviation) over the runs and "
+    "scatters by {noise:.3g} from run to run; within these intervals it hardly depends on the free "
+    "parameters, or too few runs show how.",
+    "Widen the intervals, run more simulations, or choose another test.",
+)
+UNEXPLAINED = Message(
+    "Q2 = {q2:.2f}: a run left out is predicted hardly better than by the mean of the others, and "
+    "the scatter from run to run ({noise:.3g}, of {spread:.3g} over the runs) does not explain it.",
+    "More runs are needed, or narrower intervals.",
+)
+TOO_CERTAIN = Message(
+    "Only {coverage:.0f} % of the runs lie inside their 95 % intervals when they are left out: the "
+    "metamodel is too certain.",
+    "Look for outliers among the runs, or run more simulations.",
+)
