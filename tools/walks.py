@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import ast
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -80,7 +80,9 @@ class House:
         for key in (found, (home, f"{first}.__init__")):
             if key in self.functions:
                 return key
-        owners = self.methods.get(parts[-1], []) if len(parts) > 1 else []
+        # A method that paths have, too, is most likely theirs.
+        is_known = len(parts) > 1 and not hasattr(Path, parts[-1])
+        owners = self.methods.get(parts[-1], []) if is_known else []
         return owners[0] if len(owners) == 1 else None
 
 
@@ -107,29 +109,29 @@ def walk(house: House, start: str) -> list[str]:
     """
     module, function, parameter = start.split(":")
     stays: list[str] = []
-    _visit(house, (module, function), parameter, stays, set())
+    _visit(house, (module, function), {parameter}, stays, set())
     return stays
 
 
 def _visit(
     house: House,
     key: tuple[str, str],
-    parameter: str,
+    entered: Set[str],
     stays: list[str],
-    seen: set[tuple[tuple[str, str], str]],
+    seen: set[tuple[str, str]],
 ) -> None:
-    if (key, parameter) in seen:
+    if key in seen:
         return
-    seen.add((key, parameter))
+    seen.add(key)
     module, name = key
-    names = {parameter}
+    names = {*entered}
     if stays[-1:] != [module]:
         stays.append(module)
     for node in _in_order(house.functions[key].body):
         if isinstance(node, ast.Call):
             target = house.target(node, module, name)
-            for entered in _entered(house, node, target, names):
-                _visit(house, target, entered, stays, seen)  # type: ignore[arg-type]
+            if target is not None and (inner := {*_entered(house, node, target, names)}):
+                _visit(house, target, inner, stays, seen)
         elif assigned := _assigned(node):
             targets, value = assigned
             if _is_still(value, names):
@@ -149,11 +151,9 @@ def _below(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _entered(
-    house: House, call: ast.Call, target: tuple[str, str] | None, names: set[str]
+    house: House, call: ast.Call, target: tuple[str, str], names: set[str]
 ) -> Iterator[str]:
     """Yield the names under which the parameter enters the target of a call."""
-    if target is None:
-        return
     arguments = house.functions[target].args
     places = [one.arg for one in (*arguments.posonlyargs, *arguments.args)]
     is_member = places[:1] in (["self"], ["cls"])
