@@ -163,7 +163,7 @@ class SizesOfTest:
 
     def growth(self, target: Target, times: float) -> float:
         """Return how a response grows by itself, as the width of a heap does."""
-        return growth(self.test, _short(target.name, self.name), times)
+        return growth(self.test, target.name.removeprefix(f"{self.name}."), times)
 
     def prediction(self, target: Target) -> Prediction | None:
         """Return what the trend gives at the goal; None where fewer than two sizes tell."""
@@ -377,10 +377,6 @@ def _goal(plan: SizePlan, name: str) -> SizeRow:
         count = round(plan.to * plan.test_of(name).number_of_particles)
         return SizeRow(plan.to, count, {}, None)
     return SizeRow(plan.to, count, {}, None if cost is None else cost.wall_seconds)
-
-
-def _short(target: str, test: str) -> str:
-    return target.removeprefix(f"{test}.")
 
 
 def _time(seconds: float | None) -> str:

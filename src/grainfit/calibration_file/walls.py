@@ -142,12 +142,9 @@ class TestWalls:
             place.at("walls").fault(
                 messages.PART_WITHOUT_WALL,
                 part=without[0],
-                parts=" = ..., ".join(self._all_parts()),
+                parts=" = ..., ".join(self.test.parts or ("NAME_OF_A_WALL",)),
                 walls=walls,
             )
-
-    def _all_parts(self) -> list[str]:
-        return list(self.test.parts or ("NAME_OF_A_WALL",))
 
     def _bare_parts(self, parts: Mapping[str, str]) -> list[str]:
         """Parts of which it is not known what they are made of, in words."""

@@ -106,7 +106,8 @@ def set_diameter(text: str, given: str) -> str:
     if any(len(part) != 2 for part in parts) or not parts:
         raise InputError(messages.NO_SIZES.fault("particle.diameter", given=given))
     classes = ", ".join(
-        f"{{ value = {_length(size)}, mass_fraction = {_share(share)} }}" for size, share in parts
+        f"{{ value = {_length(size)}, mass_fraction = {_toml(share.strip())} }}"
+        for size, share in parts
     )
     return with_value(text, path, f"[{classes}]")
 
@@ -281,11 +282,6 @@ def _length(text: str) -> str:
         fault = messages.NO_UNIT.fault("particle.diameter", given=text.strip(), example="3 mm")
         raise InputError(fault)
     return _quoted(text.strip())
-
-
-def _share(text: str) -> str:
-    """Return a share of the mass as TOML: a number, or a percentage in quotes."""
-    return _toml(text.strip())
 
 
 def _toml(given: str) -> str:

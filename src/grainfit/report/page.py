@@ -17,7 +17,7 @@ from grainfit.files import write_atomically
 from grainfit.formatting import plain
 from grainfit.report import messages
 from grainfit.report.rendering import fill_template, script_json
-from grainfit.report.section import ReportContext, Section
+from grainfit.report.section import ReportContext
 from grainfit.report.sections.registry import FOLDED, SECTIONS
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -91,14 +91,10 @@ def render_page(context: ReportContext) -> str:
             key: script_json({"data": figure.data, "layout": figure.layout}, _FIGURE_DIGITS)
             for key, figure in figures.items()
         },
-        data=_data(sections),
-        plotly=element_text(_plotly()) if figures else None,
+        data={section.key: script_json(section.data) for section in sections if section.data},
+        plotly=element_text(page_part("plotly/plotly-cartesian.min.js")) if figures else None,
     )
     return valid_text(page)
-
-
-def _data(sections: list[Section]) -> dict[str, Markup]:
-    return {section.key: script_json(section.data) for section in sections if section.data}
 
 
 def _parts(first: str, of_section: str) -> list[str]:
@@ -108,10 +104,6 @@ def _parts(first: str, of_section: str) -> list[str]:
     shared = sorted(path for path in own.parent.glob(f"*{own.suffix}") if path != own)
     sections = sorted((package / "sections").glob(f"*/{of_section}"))
     return [path.read_text(encoding="utf-8") for path in (own, *shared, *sections)]
-
-
-def _plotly() -> str:
-    return page_part("plotly/plotly-cartesian.min.js")
 
 
 def page_part(file: str) -> str:
