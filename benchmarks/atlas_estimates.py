@@ -24,10 +24,11 @@ from statistics import median
 
 import numpy as np
 
+from atlas_rows import publish
 from grainfit.atlas.estimate import Estimate, estimate_of
 from grainfit.atlas.inputs import MATERIAL, ROW_SCALE, ranges_of, simulated
 from grainfit.atlas.row import Row, rows_in
-from grainfit.atlas.shelf import SHIPPED, Atlas, publish
+from grainfit.atlas.shelf import SHIPPED, Atlas
 from grainfit.atlas.surrogate import points_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING

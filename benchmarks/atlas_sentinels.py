@@ -1,7 +1,7 @@
 """Compare the installed LAMMPS with the one of the atlas: 20 of its rows, made again.
 
 A release is admitted, so that rows of it may be published, when all responses agree within the
-errors of the rows (`grainfit.atlas.sentinels`). Rows made again are kept in the file ``--kept`` and
+errors of the rows (`sentinels`). Rows made again are kept in the file ``--kept`` and
 not repeated.
 
     python benchmarks/atlas_sentinels.py --kept FILE [--record]
@@ -17,14 +17,13 @@ import os
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from grainfit.atlas.admitted import record
-from grainfit.atlas.growing import made
+from atlas_rows import made, record
 from grainfit.atlas.row import Row
-from grainfit.atlas.sentinels import compare, sentinels
 from grainfit.atlas.shelf import Atlas
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.solvers.dem.lammps.program import Lammps
 from kept_runs import measure, read
+from sentinels import compare, sentinels
 
 
 class Sentinel(NamedTuple):

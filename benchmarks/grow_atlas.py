@@ -15,8 +15,7 @@ import argparse
 import os
 from pathlib import Path
 
-from grainfit.atlas.growing import grow
-from grainfit.atlas.shelf import publish
+from atlas_rows import grow, publish
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.varied_options import InAtlas
 

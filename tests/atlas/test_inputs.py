@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import grainfit as gf
-from grainfit.atlas.growing import point
+from benchmarks.atlas_rows import point
 from grainfit.atlas.inputs import ranges_of, simulated, varied_of
 from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.bulk_tests.base import BulkTest

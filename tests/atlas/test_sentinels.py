@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grainfit.atlas.admitted import OUTCOMES, admitted_programs, record
+from benchmarks.atlas_rows import OUTCOMES, admitted_programs, made, publish, record
+from benchmarks.sentinels import COUNT, compare, sentinels
 from grainfit.atlas.row import Row, rows_in
-from grainfit.atlas.sentinels import COUNT, compare, sentinels
-from grainfit.atlas.shelf import SHIPPED, Atlas, publish
+from grainfit.atlas.shelf import SHIPPED, Atlas
 
 NEXT = "LAMMPS 1 Jan 2030"
 ATLAS = Atlas()
@@ -100,7 +100,6 @@ def test_rows_of_a_release_that_was_not_compared_are_not_published(tmp_path: Pat
 
 @pytest.mark.slow
 def test_the_installed_lammps_makes_a_sentinel_again() -> None:
-    from grainfit.atlas.growing import made
     from grainfit.bulk_tests.registry import bulk_tests
 
     made_again = [

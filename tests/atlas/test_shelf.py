@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+from benchmarks.atlas_rows import grow, is_of_today, made, publish
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
-from grainfit.atlas.growing import grow, made
-from grainfit.atlas.inputs import SIZE, is_of_today, ranges_of
+from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row, rows_in
-from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas, publish
+from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
-from grainfit.atlas.row import Row
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale
 from grainfit.bulk_tests.parameter_names import (
@@ -23,8 +22,6 @@ from grainfit.bulk_tests.size import CanBeResized
 from grainfit.bulk_tests.stiffness import UnderLoad, stiffness_number
 from grainfit.bulk_tests.time_steps import usual_time_step_fraction
 from grainfit.bulk_tests.varied_options import InAtlas, Range, VariedOptions
-from grainfit.errors import InputError
-from grainfit.run_definition import identity_of
 
 STIFFNESS, SIZE = "stiffness", "size"
 #: Overlaps of Hertz contacts, and what they add to a response, follow this power of the stiffness.
@@ -41,8 +38,6 @@ MATERIAL: Mapping[str, Range] = {
 #: Young's modulus over the stress that presses particles together.
 _UNDER_OWN_WEIGHT = Range(1500.0, 20_000.0, power=_OVERLAP)
 _UNDER_A_STRESS = Range(1000.0, 20_000.0, power=_OVERLAP)
-#: Digits of the hash of a row's test.
-_HASH = 12
 #: Of the rows, in SI units; all others follow in natural units.
 ROW_SCALE = Scale(0.01, 2000.0, 9.81)
 #: Parameters of the rows that responses hardly depend on, or not at all with stiff walls.
@@ -116,19 +111,6 @@ def apparatus(kind: type[BulkTest], inputs: Mapping[str, float], scale: Scale) -
     options |= {name: inputs[name] for name in varied.values}
     options |= {name: inputs[name] * scale.of("Pa") for name in varied.loads}
     return kind(diameter=scale.length, gravity=scale.gravity, **options)
-
-
-def identity_of_row(kind: type[BulkTest], inputs: Mapping[str, float]) -> str:
-    """Return a short hash of the test of a row, but for its time step, with all its options."""
-    return identity_of(apparatus(kind, inputs, ROW_SCALE).definition())[:_HASH]
-
-
-def is_of_today(kind: type[BulkTest], row: Row) -> bool:
-    """Return whether a row was simulated in the apparatus that its inputs mean today."""
-    try:
-        return row.test == identity_of_row(kind, row.inputs)
-    except InputError:
-        return not row.test
 
 
 def _at_size(usual: BulkTest, varied: VariedOptions, size: float) -> dict[str, Any]:

@@ -6,10 +6,6 @@ NO_ROWS = Message("the atlas has no rows of this test")
 DAMAGED = Message(
     "the rows of this test in the atlas are damaged, or of another version: install grainfit again"
 )
-NOT_ADMITTED = Message(
-    "{test}: {rows} rows of {program} are left out, which is not admitted: run "
-    "benchmarks/atlas_sentinels.py with it."
-)
 CLUMPS = Message("the atlas has spheres alone, and this test has {shape}")
 COHESION = Message("the atlas has no cohesion, and this material has {model}")
 LAW = Message("the atlas has the usual contact law alone, not {models}")

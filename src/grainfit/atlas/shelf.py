@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
 from grainfit.atlas import messages
-from grainfit.atlas.admitted import admitted_programs
-from grainfit.atlas.inputs import is_of_today
 from grainfit.atlas.reading import NotInAtlasError
 from grainfit.atlas.row import rows_in
-from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate
+from grainfit.atlas.surrogate import Surrogate
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.varied_options import InAtlas
-from grainfit.files import write_atomically
 from grainfit.scenes.scene import SCENES_REVISION
 
 #: The rows that ship with the package.
@@ -101,10 +96,10 @@ class Atlas:
 
     def _open(self, name: str) -> Surrogate | None:
         kind, known = bulk_tests().get(name), self._tests.get(name)
-        if kind is None or known is None or known["revision"] != _revision(kind):
+        if kind is None or known is None or known["revision"] != revision_of(kind):
             return None
-        paths = _rows(self.folder, name), _models(self.folder, name)
-        if [known["rows"], known["models"]] != [_hash(path) for path in paths]:
+        paths = rows_of(self.folder, name), models_of(self.folder, name)
+        if [known["rows"], known["models"]] != [hash_of(path) for path in paths]:
             return None
         plain = json.loads(paths[1].read_text(encoding="utf-8"))
         return Surrogate(kind, rows_in(paths[0]), plain)
@@ -116,59 +111,21 @@ def shipped_atlas() -> Atlas:
     return Atlas()
 
 
-def publish(source: Path, folder: Path) -> Iterator[str]:
-    """Fit the metamodels to the rows of a folder and write both into another, and yield the tests.
-
-    Rows of an apparatus that their inputs do not mean any more are left out, and those of a program
-    that is not admitted (`grainfit.atlas.admitted`).
-
-    Parameters
-    ----------
-    source : Path
-        Has a file ``NAME.jsonl`` of rows for every test.
-    folder : Path
-        Where the atlas is written.
-    """
-    contents: dict[str, Any] = {}
-    # A point that is no possible test was simulated by none.
-    admitted = {*admitted_programs(), ""}
-    for name, kind in bulk_tests().items():
-        rows = [row for row in rows_in(_rows(source, name)) if is_of_today(kind, row)]
-        for program, count in Counter(row.program for row in rows).items():
-            if program not in admitted:
-                yield messages.NOT_ADMITTED(test=name, rows=count, program=program)
-        rows = [row for row in rows if row.program in admitted]
-        if not isinstance(kind, InAtlas) or len(rows) < FEWEST_ROWS:
-            continue
-        surrogate = Surrogate(kind, rows)
-        text = "".join(f"{row.to_text()}\n" for row in rows)
-        write_atomically(_rows(folder, name), text)
-        write_atomically(
-            _models(folder, name), json.dumps(surrogate.to_plain(), separators=(",", ":"))
-        )
-        contents[name] = {
-            "revision": _revision(kind),
-            "rows": _hash(_rows(folder, name)),
-            "models": _hash(_models(folder, name)),
-            "count": len(rows),
-        }
-        yield f"{name}: {len(rows)} rows, {len(surrogate.models)} responses"
-    found = {"licence": "CC0-1.0", "tests": contents}
-    write_atomically(folder / CONTENTS, json.dumps(found, indent=1) + "\n")
-
-
-def _revision(kind: type[BulkTest]) -> str:
+def revision_of(kind: type[BulkTest]) -> str:
     """Return the revision of the physics of a test: that of scenes and decks, and its own."""
     return f"{SCENES_REVISION}.{kind.revision}"
 
 
-def _rows(folder: Path, name: str) -> Path:
+def rows_of(folder: Path, name: str) -> Path:
+    """Return the file with the rows of a test."""
     return folder / f"{name}.jsonl"
 
 
-def _models(folder: Path, name: str) -> Path:
+def models_of(folder: Path, name: str) -> Path:
+    """Return the file with the metamodels of a test."""
     return folder / f"{name}.models.json"
 
 
-def _hash(path: Path) -> str:
+def hash_of(path: Path) -> str:
+    """Return the hash of a file, as the contents have it."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

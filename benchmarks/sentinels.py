@@ -78,7 +78,7 @@ class Comparison:
         )
 
     def to_plain(self) -> dict[str, Any]:
-        """Return the outcome as JSON, for `grainfit.atlas.admitted.record`."""
+        """Return the outcome as JSON, for `atlas_rows.record`."""
         return {
             "program": self.program,
             "agrees": self.agrees,

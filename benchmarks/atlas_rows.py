@@ -1,0 +1,209 @@
+"""Rows of the atlas: simulate those of its design, admit programs, and publish what ships.
+
+Rows belong to a revision of the physics (`grainfit.atlas.shelf`), not to a version of the program:
+`sentinels` compares a release of it with the rows that there are.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from scipy.stats import qmc
+
+from grainfit.atlas.inputs import ROW_SCALE, apparatus, ranges_of, simulated
+from grainfit.atlas.row import Row, rows_in
+from grainfit.atlas.shelf import CONTENTS, SHIPPED, hash_of, models_of, revision_of, rows_of
+from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate
+from grainfit.bulk_tests.base import BulkTest
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.varied_options import InAtlas
+from grainfit.errors import GrainfitError, InputError
+from grainfit.evaluation import scalars
+from grainfit.files import write_atomically
+from grainfit.run_definition import identity_of
+from grainfit.solvers.base import Workspace
+from grainfit.solvers.dem.lammps.program import Lammps
+
+#: Outcomes of the releases that were compared.
+OUTCOMES = SHIPPED.parent / "admitted.json"
+#: Digits of the hash of a row's test.
+_HASH = 12
+#: Scrambling of the design: it stays as it is.
+_SCRAMBLING = 20261127
+#: Digits of inputs and responses: more than a run tells.
+_DIGITS = 6
+
+
+def point(kind: type[BulkTest], number: int) -> dict[str, float]:
+    """Return the inputs of a row: a point of a scrambled Sobol' sequence, which never ends.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the test.
+    number : int
+        Of the row, from 0 on.
+    """
+    ranges = ranges_of(kind)
+    sequence = qmc.Sobol(len(ranges), seed=_SCRAMBLING)
+    if number:
+        sequence.fast_forward(number)
+    shares = sequence.random(1)[0]
+    pairs = zip(ranges.items(), shares, strict=True)
+    return {name: _rounded(span.at(share), _DIGITS) for (name, span), share in pairs}
+
+
+def made(kind: type[BulkTest], number: int) -> Row:
+    """Simulate a row of the atlas."""
+    inputs, seed = point(kind, number), number + 1
+    try:
+        test, material = simulated(kind, inputs)
+        solver = Lammps(test, material)
+    except GrainfitError as error:
+        return Row(number, seed, inputs, "", {}, str(error), 0.0, "")
+    row = partial(Row, number, seed, inputs, identity_of_row(kind, inputs))
+    before = os.times().children_user
+    found, why = {}, ""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            found = scalars(solver.run({}, seed, Workspace(Path(folder))))
+        except GrainfitError as error:
+            why = str(error)
+    seconds = os.times().children_user - before
+    units = {name: ROW_SCALE.of(info.unit) for name, info in kind.responses.items()}
+    responses = {
+        name: (
+            _rounded(one.value / units[name], _DIGITS),
+            _rounded(one.standard_error / units[name], 3),
+        )
+        for name, one in found.items()
+    }
+    return row(responses, why, round(seconds, 1), f"{solver.title} {solver.version()}")
+
+
+def grow(kind: type[BulkTest], path: Path, count: int, processes: int = 1) -> Iterator[Row]:
+    """Make the rows of a test that are missing, and yield each when it is kept.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the test.
+    path : Path
+        File of its rows, which are added at its end.
+    count : int
+        Rows that the design has then.
+    processes : int
+        Runs at a time.
+    """
+    known = {row.number for row in rows_in(path) if is_of_today(kind, row)}
+    missing = [number for number in range(count) if number not in known]
+    with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
+        # A line that was cut off must not swallow the next one.
+        file.write("\n" if file.tell() else "")
+        waiting = [pool.submit(made, kind, number) for number in missing]
+        try:
+            for done in as_completed(waiting):
+                row = done.result()
+                file.write(row.to_text() + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+                yield row
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def identity_of_row(kind: type[BulkTest], inputs: Mapping[str, float]) -> str:
+    """Return a short hash of the test of a row, but for its time step, with all its options."""
+    return identity_of(apparatus(kind, inputs, ROW_SCALE).definition())[:_HASH]
+
+
+def is_of_today(kind: type[BulkTest], row: Row) -> bool:
+    """Return whether a row was simulated in the apparatus that its inputs mean today."""
+    try:
+        return row.test == identity_of_row(kind, row.inputs)
+    except InputError:
+        return not row.test
+
+
+def admitted_programs(path: Path = OUTCOMES) -> frozenset[str]:
+    """Return the programs, solver and version, whose rows are admitted."""
+    found = _read(path)
+    agreeing = (one["program"] for one in found["compared"] if one["agrees"])
+    return frozenset({found["first"], *agreeing})
+
+
+def record(outcome: Mapping[str, Any], path: Path = OUTCOMES) -> None:
+    """Keep the outcome of a comparison, instead of an earlier one of the same program.
+
+    Parameters
+    ----------
+    outcome : mapping
+        Has the ``program``, and whether it ``agrees``.
+    path : Path
+        File of the outcomes.
+    """
+    found = _read(path)
+    others = [one for one in found["compared"] if one["program"] != outcome["program"]]
+    found["compared"] = [*others, dict(outcome)]
+    write_atomically(path, json.dumps(found, indent=1) + "\n")
+
+
+def _read(path: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def publish(source: Path, folder: Path) -> Iterator[str]:
+    """Fit the metamodels to the rows of a folder and write both into another, and yield the tests.
+
+    Rows of an apparatus that their inputs do not mean any more are left out, and those of a program
+    that is not admitted.
+
+    Parameters
+    ----------
+    source : Path
+        Has a file ``NAME.jsonl`` of rows for every test.
+    folder : Path
+        Where the atlas is written.
+    """
+    contents: dict[str, Any] = {}
+    # A point that is no possible test was simulated by none.
+    admitted = {*admitted_programs(), ""}
+    for name, kind in bulk_tests().items():
+        rows = [row for row in rows_in(rows_of(source, name)) if is_of_today(kind, row)]
+        for program, count in Counter(row.program for row in rows).items():
+            if program not in admitted:
+                yield (
+                    f"{name}: {count} rows of {program} are left out, which is not admitted: run "
+                    "benchmarks/atlas_sentinels.py with it."
+                )
+        rows = [row for row in rows if row.program in admitted]
+        if not isinstance(kind, InAtlas) or len(rows) < FEWEST_ROWS:
+            continue
+        surrogate = Surrogate(kind, rows)
+        text = "".join(f"{row.to_text()}\n" for row in rows)
+        write_atomically(rows_of(folder, name), text)
+        write_atomically(
+            models_of(folder, name), json.dumps(surrogate.to_plain(), separators=(",", ":"))
+        )
+        contents[name] = {
+            "revision": revision_of(kind),
+            "rows": hash_of(rows_of(folder, name)),
+            "models": hash_of(models_of(folder, name)),
+            "count": len(rows),
+        }
+        yield f"{name}: {len(rows)} rows, {len(surrogate.models)} responses"
+    found = {"licence": "CC0-1.0", "tests": contents}
+    write_atomically(folder / CONTENTS, json.dumps(found, indent=1) + "\n")
+
+
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
