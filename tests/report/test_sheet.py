@@ -12,12 +12,16 @@ from typing import Any
 import numpy as np
 import pypdfium2
 import pytest
+from reportlab.pdfbase import pdfmetrics
 from typer.testing import CliRunner
 
 import grainfit
 from grainfit.analysis.analysis import Analysis
+from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.cli.app import app
+from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.formatting import plain_interval, rounded
+from grainfit.pdf import BOLD, REGULAR, use_fonts
 from grainfit.report.sheet.sheet import write_sheet
 from grainfit.result import CurveResult
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -171,3 +175,12 @@ def test_the_command_writes_it_and_says_why_it_cannot(tmp_path: Path) -> None:
     with pytest.raises(grainfit.InputError):
         sheet(unfinished, tmp_path / "no.pdf")
     assert not (tmp_path / "no.pdf").exists()
+
+
+def test_every_symbol_has_a_letter_in_the_fonts() -> None:
+    symbols = [info.symbol for test in BUILT_IN.values() for info in test.responses.values()]
+    symbols += [one.symbol for model in CONTACT_MODELS for one in model.parameters]
+    use_fonts()
+    for font in map(pdfmetrics.getFont, (REGULAR, BOLD)):
+        known = font.face.charToGlyph
+        assert {sign for symbol in symbols for sign in symbol if ord(sign) not in known} == set()

@@ -21,7 +21,7 @@ from grainfit.analysis.analysis import Analysis
 from grainfit.cards import MaterialCard, material_card
 from grainfit.errors import StoreError
 from grainfit.files import in_place_of
-from grainfit.formatting import counted, number, plain, with_unit
+from grainfit.formatting import counted, in_usual_unit, number, plain, with_unit
 from grainfit.pdf import BOLD, REGULAR, use_fonts
 from grainfit.plots.labels import Label
 from grainfit.report import messages
@@ -44,6 +44,8 @@ _COLOURS = {
     "bad": ("#b03a00", "#fce8dd"),
 }
 _LINE, _QUIET = "#c9ced4", "#555555"
+#: Between a value and its unit.
+_NO_BREAK = "\u00a0"
 #: Names without spaces are divided where they do not fit.
 _TEXT = ParagraphStyle("text", fontName=REGULAR, fontSize=9, leading=12, splitLongWords=1)
 _SMALL = ParagraphStyle("small", _TEXT, fontSize=8, leading=10.2)
@@ -243,9 +245,13 @@ class _Sheet:
         return _table(rows, (0.28, 0.07, 0.17, 0.17, 0.18, 0.13))
 
     def _given(self) -> str:
-        labels = ((self._context.parameter_label(n), v) for n, v in self._given_values())
+        units = self._context.reading.units
+        labels = (
+            (self._context.parameter_label(name), in_usual_unit(value, units.get(name, ""), 6))
+            for name, value in self._given_values()
+        )
         return "; ".join(
-            f"{_safe(label.words)} {_safe(with_unit(number(value, 6), label.unit))}"
+            f"{_safe(label.words)} {_safe(value).replace(' ', _NO_BREAK)}"
             for label, value in labels
         )
 
