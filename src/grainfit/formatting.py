@@ -19,6 +19,8 @@ _FORMULA = r"""(?=['"\s]*[=+\-@\uff1d\uff0b\uff0d\uff20])"""
 _CELL_START = rf"(^(?:{_FORMULA}|(?='*[\t\r\n]))|[;\t\r\n]{_FORMULA})"
 _FORMULA_START = re.compile(_CELL_START)
 _ESCAPED_START = re.compile(_CELL_START.replace("(?=", "(?='"))
+#: Below this share of a value, half of its interval is nothing but rounding of the computer.
+_ROUNDING = 1e-9
 _UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
 
 
@@ -141,7 +143,19 @@ def plain_interval(value: float, half_width: float) -> str:
     >>> plain_interval(-0.0000134, 0.012)
     '0.000 ± 0.012'
     """
+    half_width = telling(half_width, value)
     return f"{_to_uncertainty(value, half_width)} ± {_to_uncertainty(half_width, half_width)}"
+
+
+def telling(half_width: float, value: float) -> float:
+    """Return half of an interval, or zero where it is rounding of the computer.
+
+    Examples
+    --------
+    >>> telling(0.01, 22.0), telling(4e-15, 0.00114)
+    (0.01, 0.0)
+    """
+    return half_width if half_width > _ROUNDING * abs(value) else 0.0
 
 
 def _to_uncertainty(value: float, uncertainty: float | None) -> str:
@@ -349,6 +363,28 @@ def kilopascals(stress: float) -> str:
     """
     size = next((size for size in (1e6, 1e3) if stress >= size), 1.0)
     return f"{number(stress / size, 3)} {({1e6: 'MPa', 1e3: 'kPa'}).get(size, 'Pa')}"
+
+
+_USUAL_UNITS: Mapping[str, Sequence[tuple[str, float]]] = {
+    "m": (("mm", 1e-3),),
+    "m^3": (("cm³", 1e-6),),
+    "rad/s": (("rpm", pi / 30),),
+    "Pa": (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 0.0)),
+}
+
+
+def in_usual_unit(value: float, unit: str, digits: int = 4) -> str:
+    """Return a value, given in an SI unit, in the unit of a laboratory.
+
+    Examples
+    --------
+    >>> in_usual_unit(0.06, "m"), in_usual_unit(2.11e11, "Pa"), in_usual_unit(9.81, "m/s^2")
+    ('60 mm', '211 GPa', '9.81 m/s²')
+    """
+    for name, size in _USUAL_UNITS.get(unit, ()):
+        if len(_USUAL_UNITS[unit]) == 1 or value >= size:
+            return with_unit(number(value / (size or 1.0), digits), name)
+    return with_unit(number(value, digits), unit_for_people(unit))
 
 
 def percent(share: float) -> str:

@@ -424,7 +424,7 @@ def heaps(tmp_path: Path) -> ReportContext:
 def test_the_answer_says_how_its_tests_were_simulated(heaps: ReportContext) -> None:
     shown = text(answer(heaps))
     assert "How the test heap was simulated" in shown
-    assert "cylinder_radius Inner radius of the cylinder 0.06 m" in shown
+    assert "cylinder_radius Inner radius of the cylinder 60 mm" in shown
     assert "lift_speed Speed of the cylinder 0.05 m/s" in shown
 
 

@@ -301,9 +301,9 @@ def test_the_first_pick_is_the_largest_time_step_that_probably_agrees(
 @pytest.mark.parametrize(
     ("gain", "probability_all_met", "words"),
     [
-        (1.02, 0.97, "No, by 2.0% at most"),
-        (0.98, 0.97, "No, by 0.0% at most"),
-        (1.5, 0.97, "Yes, by about 50%"),
+        (1.02, 0.97, "No, by 2 % at most"),
+        (0.98, 0.97, "No, by 0 % at most"),
+        (1.5, 0.97, "Yes, by about 50 %"),
         (1.5, 0.80, ""),
     ],
 )

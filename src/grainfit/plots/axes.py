@@ -1,4 +1,4 @@
-"""Axes of parameters in figures."""
+"""Axes of parameters and of shares in figures."""
 
 from __future__ import annotations
 
@@ -30,6 +30,19 @@ def parameter_axis(
     }
     if parameter.scale == "linear":
         return {**common, "range": [minimum, maximum], "nticks": 5}
+    return {**common, **log_axis(minimum, maximum)}
+
+
+def log_axis(minimum: float, maximum: float) -> Mapping[str, Any]:
+    """Return a logarithmic axis between two values, each tick with its whole number.
+
+    Plotly writes the first digit alone between powers of ten: "2" above "10".
+
+    Examples
+    --------
+    >>> log_axis(0.6, 30.0)["ticktext"]
+    ['1', '2', '5', '10', '20']
+    """
     low, high = math.log10(minimum), math.log10(maximum)
     powers = range(math.floor(low), math.floor(high + _ROUNDING) + 1)
     factors = (1, 2, 5) if high - low < 2 else (1,)
@@ -38,9 +51,12 @@ def parameter_axis(
     if len(ticks) < 2:
         ticks = [minimum, maximum]
     return {
-        **common,
         "type": "log",
         "range": [low, high],
         "tickvals": ticks,
         "ticktext": [number(tick, 3) for tick in ticks],
     }
+
+
+#: Shares of a whole on an axis: few, for narrow figures.
+SHARES: Mapping[str, Any] = {"tickvals": [0, 0.5, 1], "ticktext": ["0 %", "50 %", "100 %"]}

@@ -13,6 +13,7 @@ from grainfit.formatting import plain, plain_interval, with_unit
 from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
+from grainfit.plots.axes import log_axis
 from grainfit.plots.expected_course import Expectation, expectations_at_answer
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_response
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Smallest deviation shown, as a share of the tolerance, because a log axis has no zero.
 _SMALLEST = 1e-3
+#: Room above and below the deviations, as a factor.
+_ROOM = 1.6
 _FEWEST_OF_A_LINE = 2
 
 
@@ -87,14 +90,11 @@ def _misfit_figure(saved: SavedCalibration, expected: Sequence[Expectation]) -> 
     ]
     known = [value for value in drawn if value is not None] or [1.0]
     known += [value for trace in line for value in trace["y"]]
-    low, high = np.log10(min(*known, 1.0)), np.log10(max(*known, 1.0))
     layout = {
         "xaxis": _run_axis(len(evaluations)),
         "yaxis": {
             "title": {"text": "deviation / tolerance"},
-            "type": "log",
-            "range": [float(low) - 0.2, float(high) + 0.2],
-            "dtick": 1 if high - low > 2 else "D2",
+            **log_axis(min(*known, 1.0) / _ROOM, _ROOM * max(*known, 1.0)),
         },
         "yaxis2": _failure_axis(),
         "shapes": [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 
@@ -11,6 +13,9 @@ from grainfit.bulk_tests.registry import response_info
 from grainfit.contact_models.registry import material_parameter
 from grainfit.formatting import plain, unit_for_people
 from grainfit.work_folder.saved_calibration import SavedCalibration
+
+#: Characters of a line beside a row of a figure: more would leave no room for it on a phone.
+_LONGEST_LINE = 18
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,11 @@ class Label:
         return str(self._marked())
 
     @property
+    def tick(self) -> str:
+        """Symbol beside a row of a figure, in lines where it is a long name."""
+        return "<br>".join(_lines(self._marked()) if self.symbol == self.name else [self.plot])
+
+    @property
     def axis(self) -> str:
         """Symbol and unit for an axis."""
         words = f" ({escape(self.unit)})" if self.unit else ""
@@ -68,6 +78,17 @@ class Label:
             if index
             else (Markup.escape(symbol))
         )
+
+
+def _lines(name: str) -> Iterator[str]:
+    """Yield a name in lines, divided after its dots and underscores."""
+    line = ""
+    for part in re.split(r"(?<=[._])", name):
+        if line and len(line + part) > _LONGEST_LINE:
+            yield line
+            line = ""
+        line += part
+    yield line
 
 
 def parameter_label(name: str, unit: str = "") -> Label:

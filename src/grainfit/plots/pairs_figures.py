@@ -71,7 +71,7 @@ def _pair(saved: SavedCalibration, posterior: Posterior, across: int, up: int) -
         "mode": "markers",
         "x": points[:, across].tolist(),
         "y": points[:, up].tolist(),
-        "marker": {"color": BLUE, "size": 4, "opacity": 0.45},
+        "marker": {"color": BLUE, "size": 4, "opacity": 0.6},
         "hovertemplate": f"{labels[0].plot} %{{x:.4g}}, {labels[1].plot} %{{y:.4g}}<extra></extra>",
     }
     answer = saved.result.parameters if saved.result else {}

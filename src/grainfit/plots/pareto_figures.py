@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from grainfit.analysis.analysis import Analysis
 from grainfit.analysis.pareto import ParetoFront
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.plots.arrange import arrange
+from grainfit.plots.axes import log_axis
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.style import BLUE, VERMILION
 from grainfit.problem import Problem
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Above this ratio of the largest misfit to the smallest, the axis is logarithmic.
 _LARGEST_RATIO = 30.0
+#: Room above and below the misfits, as a factor.
+_ROOM = 1.4
 _TOO_SMALL_FOR_LOGARITHMS = 1e-12
 _TIME_UNITS = ((1e-6, "ns", 1e9), (1e-3, "µs", 1e6), (1.0, "ms", 1e3))
 
@@ -66,7 +69,6 @@ def pareto_figure(saved: SavedCalibration, metamodels: Metamodels, front: Pareto
     """Return the figure of a front that has points."""
     unit, factor = time_unit(float(front.time_steps[-1]))
     misfits = front.misfits
-    smallest = max(float(misfits.min()), _TOO_SMALL_FOR_LOGARITHMS)
     times = (factor * front.time_steps).tolist()
     data: list[Mapping[str, Any]] = [
         {
@@ -105,8 +107,7 @@ def pareto_figure(saved: SavedCalibration, metamodels: Metamodels, front: Pareto
             "xaxis": {"title": {"text": f"Rayleigh time step ({unit})"}, "zeroline": False},
             "yaxis": {
                 "title": {"text": "misfit (squared tolerances)"},
-                "type": "log" if misfits.max() > _LARGEST_RATIO * smallest else "linear",
-                "rangemode": "tozero",
+                **_misfit_axis([value for trace in data for value in trace["y"]]),
             },
             "hovermode": "closest",
             "clickmode": "event",
@@ -117,3 +118,10 @@ def pareto_figure(saved: SavedCalibration, metamodels: Metamodels, front: Pareto
         ),
         height=380,
     )
+
+
+def _misfit_axis(misfits: Sequence[float]) -> Mapping[str, Any]:
+    low, high = max(min(misfits), _TOO_SMALL_FOR_LOGARITHMS), max(misfits)
+    if high <= _LARGEST_RATIO * low:
+        return {"type": "linear", "rangemode": "tozero"}
+    return log_axis(low / _ROOM, _ROOM * high)

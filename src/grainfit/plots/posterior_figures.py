@@ -14,7 +14,7 @@ from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import ends, number, plain
 from grainfit.materials.card import Determination
 from grainfit.plots.arrange import arrange, in_columns
-from grainfit.plots.axes import parameter_axis
+from grainfit.plots.axes import SHARES, parameter_axis
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_parameter
 from grainfit.plots.style import BLUE, ORANGE, QUIET, VERMILION
@@ -34,7 +34,7 @@ _COLORS: Mapping[Determination, str] = {
     "not determined": VERMILION,
 }
 _CELL = 44
-_BAR = 30
+_BAR = 46
 _FRAME_HEIGHT = 100
 
 
@@ -123,12 +123,7 @@ def _narrowing_figure(
                 "x": shares,
                 "y": list(range(len(parameters))),
                 "marker": {"color": [_COLORS[intervals[p.name].determination] for p in parameters]},
-                "text": [
-                    f"{share:.0%} {intervals[p.name].determination}"
-                    for p, share in zip(parameters, shares, strict=True)
-                ],
-                "textposition": "outside",
-                "cliponaxis": False,
+                "width": 0.4,
                 "customdata": [
                     [
                         interval_in_words(intervals[p.name]),
@@ -144,17 +139,20 @@ def _narrowing_figure(
         ),
         layout={
             "xaxis": {
-                "range": [0, 1.4],
-                "tickvals": [0, 0.25, 0.5, 0.75, 1],
-                "tickformat": ".0%",
-                "title": {"text": "share of the interval ruled out"},
+                "range": [0, 1.03],
+                **SHARES,
+                "title": {"text": "share ruled out"},
             },
             "yaxis": {
                 "tickvals": list(range(len(parameters))),
-                "ticktext": [label_of_parameter(saved, p.name).plot for p in parameters],
-                "range": [-0.6, len(parameters) - 0.4],
+                "ticktext": [label_of_parameter(saved, p.name).tick for p in parameters],
+                "range": [-0.4, len(parameters) - 0.2],
                 "zeroline": False,
             },
+            "annotations": [
+                _above(row, f"{100 * share:.0f} %, {intervals[p.name].determination}")
+                for row, (p, share) in enumerate(zip(parameters, shares, strict=True))
+            ],
         },
         description="Share of each parameter's interval that the measurements rule out.",
         height=_FRAME_HEIGHT + _BAR * len(parameters),
@@ -162,9 +160,16 @@ def _narrowing_figure(
     )
 
 
+def _above(row: int, words: str) -> Mapping[str, Any]:
+    """Return words above a bar: beside a long one they would be cut."""
+    place = {"x": 0, "y": row + 0.2, "xanchor": "left", "yanchor": "bottom"}
+    return {**place, "text": words, "showarrow": False, "xshift": 3}
+
+
 def _correlation_figure(saved: SavedCalibration, posterior: Posterior) -> Figure:
     names, found = posterior.names, posterior.correlations
-    labels = [label_of_parameter(saved, name).plot for name in names]
+    labels = [label_of_parameter(saved, name).tick for name in names]
+    plots = [label_of_parameter(saved, name).plot for name in names]
     last = len(names) - 1
     # Each pair once; the correlation of a parameter with itself has no information.
     cells = [(row, column) for row in range(1, len(names)) for column in range(row)]
@@ -177,7 +182,7 @@ def _correlation_figure(saved: SavedCalibration, posterior: Posterior) -> Figure
             for row in range(1, last + 1)
         ],
         "text": [
-            [f"{labels[row]} and {labels[column]}" for column in range(last)]
+            [f"{plots[row]} and {plots[column]}" for column in range(last)]
             for row in range(1, last + 1)
         ],
         "zmin": -1,

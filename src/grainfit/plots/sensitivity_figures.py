@@ -12,6 +12,7 @@ from grainfit.analysis.analysis import Analysis
 from grainfit.analysis.sensitivity import Sensitivity
 from grainfit.formatting import plain
 from grainfit.plots.arrange import arrange
+from grainfit.plots.axes import SHARES
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_parameter, label_of_response
 from grainfit.plots.style import BLUE, VERMILION
@@ -20,7 +21,7 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
-_ROW_HEIGHT = 30
+_ROW_HEIGHT = 34
 _FRAME_HEIGHT = 110
 
 
@@ -55,7 +56,7 @@ def sensitivity_figures(saved: SavedCalibration, found: Sensitivity) -> dict[int
 def _figure(saved: SavedCalibration, found: Sensitivity, row: int) -> Figure:
     # Plotly draws the first category at the bottom.
     order = np.argsort(found.total[row], kind="stable")
-    labels = [label_of_parameter(saved, found.names[j]).plot for j in order]
+    labels = [label_of_parameter(saved, found.names[j]).tick for j in order]
     rows = np.arange(len(order), dtype=np.float64)
     indices = (
         ("alone (first)", found.first, found.first_low, found.first_high, BLUE, "circle", 0.14),
@@ -77,8 +78,8 @@ def _figure(saved: SavedCalibration, found: Sensitivity, row: int) -> Figure:
         layout={
             "xaxis": {
                 "range": [-0.03, 1.03],
-                "title": {"text": "share of the response's variation"},
-                "tickformat": ".0%",
+                "title": {"text": "share of variation"},
+                **SHARES,
                 "zeroline": False,
             },
             "yaxis": {

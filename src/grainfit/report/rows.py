@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Literal
 
-from grainfit.formatting import counted, ends, number, rounded, unit_for_people
+from grainfit.formatting import counted, ends, number, rounded, telling, unit_for_people
 from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
 from grainfit.problem import CurveTarget, Parameter, Target
@@ -102,6 +102,7 @@ def response_row(label: Label, target: Target, found: ResponseResult | None) -> 
     if found is None:
         return ResponseRow(label, measured, tolerance)
     expected, half_width = found.expected
+    half_width = telling(half_width, expected)
     return ResponseRow(
         label,
         measured,

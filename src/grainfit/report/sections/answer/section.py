@@ -11,9 +11,11 @@ from grainfit.bulk_tests.apparatus import as_smaller
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.formatting import (
     duration,
+    in_usual_unit,
     number,
     plain,
 )
+from grainfit.plots.labels import Label
 from grainfit.problem import Parameter
 from grainfit.report.rendering import fill_template
 from grainfit.report.rows import ParameterRow, curve_row, parameter_row, response_row
@@ -23,6 +25,9 @@ from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result, RunCounts
 from grainfit.work_folder.saved_calibration import bulk_tests_of, contact_models_of, twins_of
+
+#: Digits of a fixed parameter: it is as it was given.
+_DIGITS = 6
 
 
 def answer(context: ReportContext) -> Section:
@@ -45,10 +50,7 @@ def answer(context: ReportContext) -> Section:
         why_no_interval=context.why_no_posterior,
         responses=responses,
         has_fresh=any(row.fresh for row in responses),
-        fixed=[
-            (context.parameter_label(name), number(value, 6))
-            for name, value in context.reading.fixed.items()
-        ],
+        fixed=list(_fixed(context)),
         sizes=next((plain(test.sizes.words) for test in tests.values()), ""),
         time_step=_time_step(result) if result else None,
         cost=_cost(context),
@@ -58,6 +60,12 @@ def answer(context: ReportContext) -> Section:
         **next_step(context),
     )
     return Section("answer", "Answer", html)
+
+
+def _fixed(context: ReportContext) -> Iterator[tuple[Label, str]]:
+    units = context.reading.units
+    for name, value in context.reading.fixed.items():
+        yield context.parameter_label(name), in_usual_unit(value, units.get(name, ""), _DIGITS)
 
 
 def _with_twins(context: ReportContext, tests: Mapping[str, BulkTest]) -> dict[str, BulkTest]:

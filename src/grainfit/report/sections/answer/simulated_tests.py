@@ -8,7 +8,7 @@ from typing import Any
 
 from grainfit.bulk_tests.apparatus import apparatus_of
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.formatting import number, plain, unit_for_people, with_unit
+from grainfit.formatting import in_usual_unit, plain
 from grainfit.options.tables import Key
 
 _DIGITS = 4
@@ -56,8 +56,7 @@ def _shown(key: Key, value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):
-        unit = unit_for_people(str(getattr(key.kind, "unit", "")))
-        return with_unit(number(float(value), _DIGITS), unit)
+        return in_usual_unit(float(value), str(getattr(key.kind, "unit", "") or ""), _DIGITS)
     if isinstance(value, list | tuple):
         return ", ".join(filter(None, (_shown(key, one) for one in value)))
     return plain(str(value))

@@ -7,6 +7,7 @@ document.addEventListener("DOMContentLoaded", () => {
     window.grainfitQuantities;
   const { prepare, predict, probability } = window.grainfitKriging;
   const STEPS = 1000;
+  const ROUNDING = 1e-9;
   const NORMAL_QUANTILE = 1.959963984540054;
   // Of a gauge: the target band is never wider than a quarter of it.
   const LEAST_REACH = 4;
@@ -94,7 +95,9 @@ document.addEventListener("DOMContentLoaded", () => {
 
     showResponse(response, i, { mean, variance }) {
       const card = this.part("response", i);
-      const half = NORMAL_QUANTILE * Math.sqrt(variance);
+      const computed = NORMAL_QUANTILE * Math.sqrt(variance);
+      // Less is rounding of the computer.
+      const half = computed > ROUNDING * Math.abs(mean) ? computed : 0;
       const verdict = verdictOf(response, mean, half);
       card.dataset.mean = mean;
       card.dataset.halfWidth = half;

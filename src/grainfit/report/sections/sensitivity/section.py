@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from grainfit.formatting import plain
 from grainfit.plots.sensitivity_figures import sensitivity_figures
 from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section, waiting
@@ -22,7 +21,7 @@ def sensitivity(context: ReportContext) -> Section:
         responses=[
             {
                 "label": context.response_label(name),
-                "sentence": plain(sentence),
+                "sentence": context.in_words(sentence),
                 "figure": f"{_KEY}-{row}" if row in drawn else "",
             }
             for row, (name, sentence) in enumerate(

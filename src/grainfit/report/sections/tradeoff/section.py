@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from grainfit.analysis.pareto import ParetoFront
+from grainfit.formatting import percent
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
 from grainfit.plots.pareto_figures import pareto_figure, time_unit, why_no_front
@@ -63,15 +64,16 @@ def _choice(gain: float | None) -> str:
     """Say why the answer has its time step; nothing without an answer or a set that agrees."""
     if gain is None:
         return ""
+    confidence = percent(VERDICT.confidence)
     if gain <= EQUAL_TIME_STEPS:
         return (
-            f"No, by {max(gain, 0.0):.1%} at most: no parameter set that meets every target with a "
-            f"probability of {VERDICT.confidence:.0%} has a time step that is larger by "
-            f"{EQUAL_TIME_STEPS:.0%}. So the closest set is the answer."
+            f"No, by {percent(round(max(gain, 0.0), 3))} at most: no parameter set that meets "
+            f"every target with a probability of {confidence} has a time step that is larger by "
+            f"{percent(EQUAL_TIME_STEPS)}. So the closest set is the answer."
         )
     return (
-        f"Yes, by about {gain:.0%} according to the metamodels, with every target still met with a "
-        f"probability of {VERDICT.confidence:.0%}."
+        f"Yes, by about {percent(round(gain, 2))} according to the metamodels, with every target "
+        f"still met with a probability of {confidence}."
     )
 
 

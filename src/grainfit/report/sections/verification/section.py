@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from grainfit.formatting import number, plain, rounded, with_unit
+from grainfit.formatting import number, plain, rounded, telling, with_unit
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
 from grainfit.plots.style import BLUE, GREEN, STAGES, tolerance_band, value_range
@@ -134,6 +134,7 @@ def _row(context: ReportContext, check: _Check) -> VerifiedRow:
 
 
 def _with_interval(value: float, half_width: float) -> str:
+    half_width = telling(half_width, value)
     return f"{rounded(value, half_width)} ± {rounded(half_width, half_width)}"
 
 
