@@ -30,6 +30,7 @@ from grainfit.photographs.marker import MarkerSheet, find_marker_sheet
 from grainfit.photographs.pictures import Picture, opencv
 from grainfit.photographs.plate import Plate, Rim, drawn_rim, find_rim
 from grainfit.photographs.separation import Separated, drawn_outline, separate
+from grainfit.photographs.upright import Upright, mirrored, parts_of_pixel
 
 #: Flanks are seen up to the angle less this, degrees.
 FLANKS_VANISH = 8.0
@@ -70,6 +71,7 @@ _TOLD_BY = {
 }
 
 Array = NDArray[np.float64]
+Field = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 
@@ -197,13 +199,15 @@ def measure_heap(
     scale = lengths[0] if lengths else None
     particle = diameter / scale if diameter and scale else None
     axis = picture.by_hand.axis[0] if picture.by_hand.axis else None
-    found = _angle(mask, Camera(focal, picture.middle, foot.up), foot.middle, particle, axis)
+    found = _angle(seen.field, Camera(focal, picture.middle, foot.up), foot.middle, particle, axis)
     _require_flanks(found.angle, found.elevation, error)
     _require_foot(found)
 
-    def other(mask: Mask = mask, focal: float = focal, foot: Foot = foot, size: float = 1) -> float:
+    def other(
+        field: Field = seen.field, focal: float = focal, foot: Foot = foot, size: float = 1
+    ) -> float:
         camera = Camera(focal, picture.middle, foot.up)
-        return _angle(mask, camera, foot.middle, size * found.diameter, axis).angle
+        return _angle(field, camera, foot.middle, size * found.diameter, axis).angle
 
     parts = {"picture": _PICTURE, "outline": _BY_HAND}
     if not picture.by_hand.outline:
@@ -250,6 +254,7 @@ class Seen:
         self._automatic: Separated | None = None
         self._rims: dict[Points, Rim | None] = {}
         self.separated: Separated
+        self.field: Field
         self.mask: Mask
         self.rim: Rim | None = None
 
@@ -270,7 +275,8 @@ class Seen:
         else:
             self._automatic = self._automatic or separate(picture.colours)
             self.separated = self._automatic
-        self.mask = self.separated.mask()
+        self.field = self.separated.field()
+        self.mask = self.field > 0
         if drawn.plate:
             self.rim = drawn_rim(*np.array(drawn.plate))
         else:
@@ -424,18 +430,18 @@ def diameter_by_roughness(places: Array, heights: Array, axis: float) -> float:
 
 
 def _angle(
-    mask: Mask,
+    field: Field,
     camera: Camera,
     foot: tuple[float, float],
     given: float | None = None,
     drawn_axis: tuple[float, float] | None = None,
 ) -> _Found:
-    """Measure the angle on the mask of a heap, seen by a camera.
+    """Measure the angle of a heap that is seen by a camera.
 
     Parameters
     ----------
-    mask : ndarray of bool of shape (rows, columns)
-        Where the heap is.
+    field : ndarray of float32 of shape (rows, columns)
+        Positive within the heap, zero at its edge.
     camera : Camera
         The camera.
     foot, drawn_axis : tuple of float
@@ -444,22 +450,20 @@ def _angle(
     given : float, optional
         Particle diameter, pixels; by the roughness of the outline if not given.
     """
-    cv2 = opencv()
+    mask = field > 0
     apex = _apex(mask, camera)
     width = float(np.ptp(np.flatnonzero(mask.any(axis=0))))
     height = float(np.ptp(np.flatnonzero(mask.any(axis=1))))
     margin = 0.1 * width
     size = (math.ceil(1.4 * width), math.ceil(height + 0.3 * width + margin))
-    origin = (size[0] / 2, margin)
-    turn = camera.turned(apex, origin)
-    upright = cv2.warpPerspective(mask.astype(np.uint8) * 255, turn, size, flags=cv2.INTER_LINEAR)
-    upright = upright > 127
-    diameter = given or particle_in(upright)
-    outline = Silhouette(upright, 1.0).outline()
-    smooth = _smoothed(outline, diameter)
+    parts = parts_of_pixel(width)
+    upright = Upright(field, camera.turned(apex, (size[0] / 2, margin)), size, parts)
+    flat = upright.silhouette()
+    diameter = given or particle_in(flat.image) / parts
+    outline = flat.outline()
+    smooth = _smoothed(outline, diameter * parts)
     top = size[1] - float(np.nanmax(smooth))  # row of the apex
-    base = turn @ np.array([*foot, 1.0])
-    level = float(base[1] / base[2]) + diameter / 2
+    level = upright.place(foot)[1] + diameter / 2
     elevation = camera.elevation(apex)
     # Height of the apex above the plate below it, in perspective.
     e, drop = math.radians(elevation), level - top
@@ -467,37 +471,29 @@ def _angle(
         raise NotMeasurableError(messages.COARSE(height=drop + diameter / 2, diameter=diameter))
     scale = _turned_focal(camera, apex)
     tall = scale * drop / (scale * math.cos(e) - drop * math.sin(e))
-    if drawn_axis is None:
-        axis = _axis(outline, size[1] - top, size[1] - level)
-    else:
-        place = turn @ np.array([*drawn_axis, 1.0])
-        axis = float(place[0] / place[2])
-    apparent = _first_guess(outline, size[1] - top, size[1] - level)
+    heights = (size[1] - level, size[1] - top)
+    axis = upright.place(drawn_axis)[0] if drawn_axis else _axis(outline, *heights) / parts
+    apparent = _first_guess(flat, *heights)
     for _ in range(4):
         angle = true_angle(apparent, elevation)
         stretch = math.tan(math.radians(angle)) / math.tan(math.radians(apparent))
-        silhouette = _stretched(upright, stretch, tall - stretch * (size[1] - top), axis)
+        silhouette = upright.silhouette(stretch, tall + stretch * top, axis)
         end = _end_of_flanks(angle, elevation, tall, scale)
         if given is None:
-            diameter = particle_in(upright, end / drop)
+            diameter = particle_in(flat.image, end / drop) / parts
         ground = diameter + tall - stretch * (drop - end)
         # From behind, the same outline is seen, mirrored: two flanks alone would be refused where
         # they differ by more than four degrees, as those of coarse heaps do.
-        both = [silhouette, _mirrored(silhouette)]
+        both = [silhouette, mirrored(silhouette)]
         measured = angle_of_repose_in(both, [0.0, 180.0], ground, diameter)
         tangent = math.tan(math.radians(measured.value)) / stretch
         before, apparent = apparent, math.degrees(math.atan(tangent))
         if abs(before - apparent) < 0.02:
             break
-    inverse = np.linalg.inv(turn)
 
     def back(points: Array) -> Array:
-        places = np.column_stack(
-            [points[:, 0] + axis, top + (tall - points[:, 1]) / stretch, np.ones(len(points))]
-        )
-        found = places @ inverse.T
-        shown: Array = found[:, :2] / found[:, 2:]
-        return shown
+        rows = top + (tall - points[:, 1]) / stretch
+        return upright.back(np.column_stack([points[:, 0] + axis, rows]))
 
     angle = true_angle(apparent, elevation)
     return _Found(angle, silhouette, measured.views[0], ground, diameter, elevation, back)
@@ -525,7 +521,7 @@ def _smoothed(outline: Array, diameter: float) -> Array:
     return found
 
 
-def _axis(outline: Array, top: float, level: float) -> float:
+def _axis(outline: Array, level: float, top: float) -> float:
     """Column of the axis: the middle of the heap over its upper half."""
     filled = np.nan_to_num(outline, nan=0.0)
     middles = []
@@ -536,28 +532,12 @@ def _axis(outline: Array, top: float, level: float) -> float:
     return float(np.mean(middles))
 
 
-def _first_guess(outline: Array, top: float, level: float) -> float:
+def _first_guess(silhouette: Silhouette, level: float, top: float) -> float:
     """Apparent inclination by the width of the heap at two heights, degrees."""
-    filled = np.nan_to_num(outline, nan=0.0)
-    widths = [float((filled > level + share * (top - level)).sum()) / 2 for share in (0.35, 0.75)]
-    slope = 0.4 * (top - level) / max(widths[0] - widths[1], 1.0)
-    return float(np.clip(math.degrees(math.atan(slope)), 2.0, 70.0))
-
-
-def _stretched(upright: Mask, stretch: float, bottom: float, axis: float) -> Silhouette:
-    """Return a silhouette as from the side: heights stretched, the lowest at `bottom`."""
-    cv2 = opencv()
-    rows, columns = upright.shape
-    tall = max(1, round(rows * stretch))
-    resized = cv2.resize(
-        upright.astype(np.uint8) * 255, (columns, tall), interpolation=cv2.INTER_LINEAR
-    )
-    return Silhouette(resized > 127, 1.0, -axis, bottom)
-
-
-def _mirrored(silhouette: Silhouette) -> Silhouette:
-    right = silhouette.left + silhouette.image.shape[1] * silhouette.pixel_size
-    return Silhouette(silhouette.image[:, ::-1], silhouette.pixel_size, -right, silhouette.bottom)
+    filled = np.nan_to_num(silhouette.outline(), nan=0.0)
+    sides = [(filled > level + share * (top - level)).sum() / 2 for share in (0.35, 0.75)]
+    width = max(float(sides[0] - sides[1]) * silhouette.pixel_size, 1.0)
+    return float(np.clip(math.degrees(math.atan(0.4 * (top - level) / width)), 2.0, 70.0))
 
 
 def _end_of_flanks(angle: float, elevation: float, tall: float, focal: float) -> float:
@@ -601,7 +581,7 @@ def _require_foot(found: _Found) -> None:
         if flank is not None
     ]
     columns = np.flatnonzero(found.silhouette.image.any(axis=0))
-    half = float(np.ptp(columns)) / 2
+    half = float(np.ptp(columns)) / 2 * found.silhouette.pixel_size
     if half > _WIDER_FOOT * float(np.mean(reaches)):
         factor = half / float(np.mean(reaches))
         raise NotMeasurableError(messages.WIDE_FOOT(factor=factor, most=_WIDER_FOOT))
@@ -621,7 +601,7 @@ def _unsure_outline(separated: Separated, angle: float, other: Callable[..., flo
     """Standard uncertainty by where the heap is taken to end, degrees."""
     found = [angle]
     for level in _LEVELS:
-        found.append(other(mask=separated.mask(level)))
+        found.append(other(field=separated.field(level)))
     if max(found) - min(found) > _APART:
         raise NotMeasurableError(messages.UNSURE_OUTLINE(low=min(found), high=max(found)))
     return (max(found) - min(found)) / 2

@@ -225,7 +225,8 @@ def _keep(kept: KeptPicture, found: HeapInPicture, folder: Path) -> KeptPicture:
         low = found.height / found.scale - float(np.nanmax(silhouette.outline()))
         silhouette = replace(silhouette, bottom=silhouette.bottom + low)
     heights = averaged_outline(silhouette, found.diameter)
-    every = max(1, int(found.diameter / _POINTS_PER_DIAMETER))
+    columns = found.diameter / silhouette.pixel_size
+    every = max(1, int(columns / _POINTS_PER_DIAMETER))
     heap = np.flatnonzero(heights > 0)[::every]
     width, top = _BESIDE * float(np.abs(across[heap]).max()), float(heights.max())
     shown = (-width, width, -_BELOW * top, _ABOVE * top)

@@ -88,6 +88,15 @@ class Separated:
         heap = labels == np.bincount(labels[inside]).argmax()
         return _filled(heap)
 
+    def field(self, level: float = EDGE_LEVEL) -> Array:
+        """Return what is positive within the heap, and zero at its edge, between two pixels."""
+        mask = self.mask(level)
+        flat = mask - np.float32(level)
+        field = np.where(self.band, self.edge - np.float32(level), flat)
+        # Gaps that were closed, and spikes that were taken away.
+        found: Array = np.where(mask == (field > 0), field, flat)
+        return found
+
 
 def drawn_outline(corners: Sequence[tuple[float, float]], shape: tuple[int, int]) -> Separated:
     """Return the heap within an outline that was drawn by hand on a picture of some shape.
