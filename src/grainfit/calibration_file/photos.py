@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, get_args
 
 from grainfit.bulk_tests.accuracy import Accuracy
@@ -184,7 +184,7 @@ def _note(measured: _Heaps, result: str, place: Place) -> None:
     """Keep with the findings what was measured."""
     groups = enumerate((*measured.heaps, measured.refused), 1)
     originals = [
-        Original(one.file, one.sha256, one.version, one.name, {**one.to_json(), "heap": number})
+        Original(one.file, one.sha256, one.version, one.name, {**asdict(one), "heap": number})
         for number, group in groups
         for one in group
     ]

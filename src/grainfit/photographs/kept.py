@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -22,6 +22,7 @@ from grainfit.photographs.by_hand import read_by_hand
 from grainfit.photographs.heap import Array, HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import opencv, read_picture
+from grainfit.plain_data import read_plain
 
 #: Folder of what is kept, in a work folder.
 FOLDER = "photographs"
@@ -101,7 +102,7 @@ class KeptPicture:
     version: str
     refused: str = ""
     angle: float = 0.0
-    parts: Mapping[str, float] = ()  # type: ignore[assignment]
+    parts: Mapping[str, float] = field(default_factory=dict)
     flanks: tuple[float, ...] = ()
     elevation: float = 0.0
     elevation_error: float = 0.0
@@ -119,28 +120,12 @@ class KeptPicture:
         return float(np.sqrt(sum(part**2 for part in self.parts.values())))
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> KeptPicture:
-        """Return the picture of plain data.
-
-        Raises
-        ------
-        TypeError, ValueError, KeyError
-            They are damaged.
-        """
-        across, heights = data["outline"]
-        return cls(
-            **{
-                **data,
-                "parts": {str(name): float(part) for name, part in data["parts"].items()},
-                "flanks": tuple(map(float, data["flanks"])),
-                "outline": (tuple(map(float, across)), tuple(map(float, heights))),
-                "shown": tuple(map(float, data["shown"])),
-            }
-        )
-
-    def to_json(self) -> dict[str, Any]:
-        """Return plain data, from which `from_json` makes the same picture."""
-        return {**asdict(self), "parts": dict(self.parts)}
+    def from_plain(cls, data: Any) -> KeptPicture:
+        """Return the picture of plain data; raise ValueError if they are damaged."""
+        found: KeptPicture = read_plain(cls, data)
+        if not (found.refused or found.outline[0]):
+            raise ValueError("it is neither measured nor refused")
+        return found
 
 
 def measure_once(
@@ -187,19 +172,16 @@ def measure_once(
     folder.mkdir(parents=True, exist_ok=True)
     draw_overlay(folder, replace(picture, path=Path(f"{name}.png")), found)
     kept = KeptPicture(name, digest, version_of_code())
-    if isinstance(found, str):
-        kept = replace(kept, refused=found, parts={})
-    else:
-        kept = _keep(kept, found, folder)
-    write_atomically(folder / f"{name}.json", json.dumps(kept.to_json()))
+    kept = replace(kept, refused=found) if isinstance(found, str) else _keep(kept, found, folder)
+    write_atomically(folder / f"{name}.json", json.dumps(asdict(kept)))
     return kept
 
 
 def _read(path: Path, digest: str) -> KeptPicture | None:
     """Return what was kept; None if there is nothing, or if it is damaged."""
     try:
-        found = KeptPicture.from_json(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        found = KeptPicture.from_plain(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
         return None
     return found if found.sha256 == digest else None
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from grainfit.photographs.drum import DrumSize
 from grainfit.photographs.drum_photo import (
@@ -73,26 +72,6 @@ class KeptDrum:
     refused: Mapping[str, str]
     speed: tuple[float, float] | None
 
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> KeptDrum:
-        """Return the drum of plain data.
-
-        Raises
-        ------
-        TypeError, ValueError, KeyError
-            They are damaged.
-        """
-        pairs = {str(name): (float(v), float(e)) for name, (v, e) in data["responses"].items()}
-        speed = data["speed"]
-        return cls(
-            **{
-                **data,
-                "responses": pairs,
-                "series": tuple(KeptSeries(**one) for one in data["series"]),
-                "speed": None if speed is None else (float(speed[0]), float(speed[1])),
-            }
-        )
-
 
 def measure_drum_once(
     groups: Sequence[Sequence[Path]],
@@ -158,4 +137,4 @@ def measure_drum_once(
         )
 
     stem = groups[0][0].stem
-    return kept_once(folder, stem, what, KeptDrum.from_json, measured, keep_version=keep_version)
+    return kept_once(folder, stem, what, KeptDrum, measured, keep_version=keep_version)

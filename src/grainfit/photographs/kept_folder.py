@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 from grainfit.files import write_atomically
 from grainfit.photographs.kept import version_of_code
+from grainfit.plain_data import read_plain
 
 if TYPE_CHECKING:
     from dataclasses import Field
@@ -35,7 +36,7 @@ def kept_once(
     folder: Path,
     stem: str,
     what: object,
-    from_json: Callable[[Any], Kept],
+    kind: type[Kept],
     measure: Callable[[str], Kept],
     *,
     keep_version: bool,
@@ -50,8 +51,8 @@ def kept_once(
         Beginning of the folder's name.
     what : object
         All that decides what is measured, as plain data: its hash is the end of the name.
-    from_json : callable
-        Returns what was kept from plain data; its errors are those of damaged data.
+    kind : type
+        Dataclass of what is kept.
     measure : callable
         Returns what to keep; called with the name of the folder, which it makes.
     keep_version : bool
@@ -60,7 +61,7 @@ def kept_once(
     key = hashlib.sha256(json.dumps(what).encode()).hexdigest()[:12]
     name = f"{stem}_{key}"
     path = folder / name / _MEASURED
-    kept = _read(path, from_json)
+    kept = read_kept(path, kind)
     if kept is not None and (keep_version or kept.version == version_of_code()):
         return kept
     kept = measure(name)
@@ -68,9 +69,10 @@ def kept_once(
     return kept
 
 
-def _read(path: Path, from_json: Callable[[Any], Kept]) -> Kept | None:
+def read_kept(path: Path, kind: type[Kept]) -> Kept | None:
     """Return what was kept; None if there is nothing, or if it is damaged."""
     try:
-        return from_json(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        found: Kept = read_plain(kind, json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
         return None
+    return found

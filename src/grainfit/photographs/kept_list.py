@@ -133,7 +133,7 @@ def _target(data: Any) -> KeptTarget | None:
     try:
         for one in data["pictures"]:
             number = int(one["heap"])
-            picture = KeptPicture.from_json({k: v for k, v in one.items() if k != "heap"})
+            picture = KeptPicture.from_plain(one)
             if picture.refused:
                 refused.append(picture)
             else:

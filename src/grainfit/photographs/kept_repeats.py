@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
@@ -44,18 +43,6 @@ class KeptRepeats:
     parts: Mapping[str, Mapping[str, float]]
     pictures: Mapping[str, Mapping[str, float]]
     refused: Mapping[str, str]
-
-    @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> KeptRepeats:
-        """Return the repeats of plain data.
-
-        Raises
-        ------
-        TypeError, ValueError, KeyError
-            They are damaged.
-        """
-        pairs = {str(name): (float(v), float(e)) for name, (v, e) in data["angles"].items()}
-        return cls(**{**data, "angles": pairs})
 
 
 def draw_downs_once(
@@ -154,4 +141,4 @@ def _once(
         )
 
     stem, what = next(iter(hashes)).stem, [*hashes.values(), *known]
-    return kept_once(folder, stem, what, KeptRepeats.from_json, measured, keep_version=keep_version)
+    return kept_once(folder, stem, what, KeptRepeats, measured, keep_version=keep_version)
