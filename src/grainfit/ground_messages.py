@@ -1,7 +1,5 @@
 """Messages on quantities with units, on counts, and on packages that extras install."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NO_UNIT = Message("{given!r} has no unit.", "{remedy}")

@@ -1,7 +1,5 @@
 """Messages to users about the particles and definition of a bulk test."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NO_SIZES = Message(

@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.calibration_file import messages
+from grainfit.calibration_file.photos import OF_NUMBER
 from grainfit.calibration_file.targets import Deviation, absolute
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.flow_rate import discharge_time, discharged_mass, flow_rate
-from grainfit.options.kinds import Choice, OneOrMore, Quantity, Text
+from grainfit.options.kinds import OneOrMore, Quantity, Text
 from grainfit.options.paths import Located
 from grainfit.options.places import Place
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import CurveTarget, Target
-from grainfit.problem.target import Statistic
 from grainfit.table_files.curve_points import read_points
 from grainfit.table_files.reading import Wanted
 from grainfit.units import UnitError, to_unit
@@ -139,11 +139,7 @@ def _keys(unit: str) -> tuple[Key, ...]:
     )
     if unit == _UNITS["discharged_mass"]:
         return keys
-    return (
-        *keys,
-        Key("weight", Quantity("", above_zero=True), "As of a target given by its value."),
-        Key("statistic", Choice(get_args(Statistic)), "As of a target given by its value."),
-    )
+    return (*keys, *OF_NUMBER)
 
 
 def _number(response: str, values: Values, place: Place) -> Target | None:

@@ -7,11 +7,10 @@ from functools import partial
 from typing import Any
 
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.photographed import PHOTOS, in_words
 from grainfit.calibration_file.photographed_repeats import measured_repeats, note_repeats
-from grainfit.calibration_file.photos import OF_ANGLE, planned_of, target_of
-from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
+from grainfit.calibration_file.photos import OF_ANGLE, measured_now, target_of
+from grainfit.calibration_file.targets import TargetTable
 from grainfit.evaluation import Response
 from grainfit.options.kinds import OneOrMore, Quantity, Text
 from grainfit.options.places import Findings, Place
@@ -59,12 +58,7 @@ def draw_down_table(otherwise: TargetTable, test: Mapping[str, Any]) -> Table:
     test : mapping of str to object
         Keys of its test, as they are written.
     """
-    read = _planned if isinstance(otherwise, PlannedTargetTable) else _number
-    return Table(_DRAW_DOWN_KEYS, partial(read, test))
-
-
-def _planned(test: Mapping[str, Any], values: Values, place: Place) -> PlannedTarget | None:
-    return planned_of(_number(test, values, place))
+    return Table(_DRAW_DOWN_KEYS, measured_now(otherwise, partial(_number, test)))
 
 
 def _number(test: Mapping[str, Any], values: Values, place: Place) -> Target | None:

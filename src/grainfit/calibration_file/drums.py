@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.content import PlannedTarget
 from grainfit.calibration_file.originals import (
     NamedFile,
     groups_of,
@@ -15,8 +14,8 @@ from grainfit.calibration_file.originals import (
     note_target,
 )
 from grainfit.calibration_file.photographed import PHOTOS, Original, in_words
-from grainfit.calibration_file.photos import OF_ANGLE, planned_of, target_of
-from grainfit.calibration_file.targets import PlannedTargetTable, TargetTable
+from grainfit.calibration_file.photos import OF_ANGLE, measured_now, target_of
+from grainfit.calibration_file.targets import TargetTable
 from grainfit.evaluation import Response
 from grainfit.formatting import turns_per_minute
 from grainfit.options.kinds import Flag, OneOrMore, Quantity, Text
@@ -95,16 +94,10 @@ def drum_tables(otherwise: TargetTable, test: Mapping[str, Any]) -> dict[str, Ta
     test : mapping of str to object
         Keys of its test, as they are written.
     """
-    read = _planned if isinstance(otherwise, PlannedTargetTable) else _number
     return {
-        key.name: Table((key, *_SHARED), partial(read, key.name, test)) for key in (_VIDEO, _STILLS)
+        key.name: Table((key, *_SHARED), measured_now(otherwise, partial(_number, key.name, test)))
+        for key in (_VIDEO, _STILLS)
     }
-
-
-def _planned(
-    key: str, test: Mapping[str, Any], values: Values, place: Place
-) -> PlannedTarget | None:
-    return planned_of(_number(key, test, values, place))
 
 
 def _number(key: str, test: Mapping[str, Any], values: Values, place: Place) -> Target | None:

@@ -1,7 +1,5 @@
 """Messages of the calibration file: cheaper relatives of its tests, and twins."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NO_TEST_HAS_RELATIVES = Message(

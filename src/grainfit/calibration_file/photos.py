@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -35,9 +35,7 @@ def photo_table(otherwise: TargetTable | CurveTable) -> Table:
     """Return the keys of a target that photographs tell, of the same response as another kind."""
     if isinstance(otherwise, CurveTable):
         return Table(_photo_keys(otherwise.unit), _curve)
-    of_number = (*_photo_keys("deg"), *OF_NUMBER)
-    planned = isinstance(otherwise, PlannedTargetTable)
-    return Table(of_number, _planned if planned else _number)
+    return Table((*_photo_keys("deg"), *OF_NUMBER), measured_now(otherwise, _number))
 
 
 #: Further keys of a target that is a number.
@@ -130,15 +128,20 @@ def target_of(measured: Response, values: Values, place: Place, key: str) -> Tar
         return None
 
 
-def planned_of(target: Target | None) -> PlannedTarget | None:
-    """Return a target that was measured as that of a file that is read before the laboratory."""
-    if target is None:
-        return None
-    return PlannedTarget(target.value, Accuracy(target.standard_uncertainty))
+def measured_now(
+    otherwise: TargetTable, read: Callable[[Values, Place], Target | None]
+) -> Callable[[Values, Place], Target | PlannedTarget | None]:
+    """Return the reader of a target that is measured now, as that of another table is read."""
+    if not isinstance(otherwise, PlannedTargetTable):
+        return read
 
+    def planned(values: Values, place: Place) -> PlannedTarget | None:
+        found = read(values, place)
+        if found is None:
+            return None
+        return PlannedTarget(found.value, Accuracy(found.standard_uncertainty))
 
-def _planned(values: Values, place: Place) -> PlannedTarget | None:
-    return planned_of(_number(values, place))
+    return planned
 
 
 def _curve(values: Values, place: Place) -> CurveTarget | None:

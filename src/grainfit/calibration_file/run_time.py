@@ -52,10 +52,7 @@ class ExpectedRuns:
 
 
 def expected_runs(
-    file: CalibrationFile,
-    problem: Problem,
-    solvers: Mapping[str, Solver],
-    max_runs: int | None = None,
+    file: CalibrationFile, problem: Problem, solvers: Mapping[str, Solver]
 ) -> ExpectedRuns:
     """Return the expected number of runs.
 
@@ -67,15 +64,13 @@ def expected_runs(
         Its problem.
     solvers : mapping of str to Solver
         By name of the test.
-    max_runs : int, optional
-        Budget of the command line, which replaces that of the file.
 
     Raises
     ------
     InputError
         The options of the strategy do not fit the problem.
     """
-    budget, runs_of_a_set = max_runs or file.strategy.max_runs, sum(file.repeats.values())
+    budget, runs_of_a_set = file.strategy.max_runs, sum(file.repeats.values())
     search = _search(file, problem, budget, largest_scatter(problem, solvers, file.repeats))
     return ExpectedRuns(
         runs_to_come(search, runs_of_a_set, budget, _verification(file)),
@@ -90,8 +85,10 @@ def largest_number(file: CalibrationFile, problem: Problem, max_runs: int | None
 
     Parameters
     ----------
-    file, problem, max_runs
+    file, problem
         As of `expected_runs`.
+    max_runs : int or None
+        Budget of the command line, which replaces that of the file.
 
     Raises
     ------

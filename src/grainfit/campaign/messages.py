@@ -1,7 +1,5 @@
 """Messages of campaigns: work folders, stores, workers and clusters."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 # Runs.

@@ -1,7 +1,5 @@
 """Messages of material cards."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NO_FORMAT = Message("is {given!r}.", "Use {known} or {last}.")

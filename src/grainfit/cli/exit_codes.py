@@ -1,7 +1,5 @@
 """Exit codes of the command line, see docs/command_line.md."""
 
-from __future__ import annotations
-
 BAD_INPUT = 1
 INTERRUPTED = 130
 #: Of `grainfit run`, by status of the result.

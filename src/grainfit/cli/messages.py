@@ -1,7 +1,5 @@
 """Messages of the command line."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 INTERRUPTED = Message("Interrupted.")

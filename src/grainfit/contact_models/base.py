@@ -76,14 +76,13 @@ class Attraction:
         Largest tension that the contact bears when it is pulled slowly, N.
     under_load : float
         Attraction under the typical load of the contact, N.
-    overlap, contact_radius : float
+    overlap : float
         At rest without a load, m.
     """
 
     pull_off: float
     under_load: float
     overlap: float
-    contact_radius: float
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Texts of contact models for the user."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 CONTRADICTION = Message(

@@ -1,7 +1,5 @@
 """Messages of pages that are served on this machine."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 PORT_TAKEN = Message(

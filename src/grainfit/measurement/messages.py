@@ -1,7 +1,5 @@
 """Messages of measurements: why a quantity cannot be measured, and what is wrong with a dump."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 # Heaps.

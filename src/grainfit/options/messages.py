@@ -1,7 +1,5 @@
 """Messages to users about values of options, and about functions in Python files."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NO_REFERENCE = Message(

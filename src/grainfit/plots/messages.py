@@ -1,7 +1,5 @@
 """Messages of figures that cannot be drawn yet."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NOTHING_TO_DRAW = Message("there is nothing to draw yet:", "{reasons}")

@@ -1,7 +1,5 @@
 """Messages of previews."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NO_SCENE = Message(

@@ -1,7 +1,5 @@
 """Messages of the report."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 CANNOT_BE_WRITTEN = Message(

@@ -1,7 +1,5 @@
 """Messages to users about the file of a result."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 UNREADABLE = Message("{path!r} cannot be read: {reason}.")

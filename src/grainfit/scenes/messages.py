@@ -1,7 +1,5 @@
 """Messages of scenes: what a scene cannot be, and what a run that left its files cannot have."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 _SMALLER_STEP = "a smaller time_step_fraction or more dissipative contacts may help"

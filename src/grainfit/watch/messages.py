@@ -1,7 +1,5 @@
 """Messages of watching: a calibration that cannot be stopped here."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 ANOTHER_MACHINE = Message(

@@ -17,6 +17,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import recover
 from grainfit.errors import InputError, SolverNotFoundError
+from grainfit.formatting import counted
 from grainfit.metamodels.known_runs import LARGEST_DISTANCE, distance_outside
 from grainfit.solvers.base import Solver
 from grainfit.work_folder import messages
@@ -243,7 +244,7 @@ class _Importing:
         if len(self._others) > _NAMED_LINES:
             yield messages.MORE_RUNS_STAY(count=len(self._others) - _NAMED_LINES)
         if self._left_over:
-            yield messages.EARLIER_IMPORT_STAYS(runs=_runs(self._left_over))
+            yield messages.EARLIER_IMPORT_STAYS(runs=counted(self._left_over, "run"))
 
 
 def _is_alike(record: RunRecord, other: RunRecord | TableRow) -> bool:
@@ -276,7 +277,3 @@ def _outside(setup: CalibrationSetup, rows: list[TableRow]) -> Iterator[str]:
 def _not_by_earlier_ones(store: RunStore) -> Iterator[str]:
     if store.latest_calibration() is not None:
         yield messages.NOT_BY_EARLIER_CALIBRATIONS()
-
-
-def _runs(number: int) -> str:
-    return "1 run" if number == 1 else f"{number} runs"

@@ -1,7 +1,5 @@
 """Messages to users about the options of a compression test."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 BED_IS_HEAVY = Message(

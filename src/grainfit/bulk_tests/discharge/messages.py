@@ -1,7 +1,5 @@
 """Messages to users about the options of a discharge."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 OTHER_ORIFICE = Message(

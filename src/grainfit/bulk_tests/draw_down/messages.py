@@ -1,7 +1,5 @@
 """Messages to users about the options of a draw-down."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NO_ROOM_FOR_HEAP = Message(

@@ -1,7 +1,5 @@
 """Messages to users about the options of a rotating drum."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 DRUM_IS_NARROW = Message(

@@ -1,7 +1,5 @@
 """Messages to users about a funnel, and about the heap below it."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 FUNNEL_IS_NARROW = Message(

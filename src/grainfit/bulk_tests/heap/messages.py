@@ -1,7 +1,5 @@
 """Messages to users about the options of a heap test."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 PLATE_IS_NARROW = Message(

@@ -1,7 +1,5 @@
 """Messages to users about the options of a hopper."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 FILLED_TWICE = Message(

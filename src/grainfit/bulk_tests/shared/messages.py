@@ -1,7 +1,5 @@
 """Messages to users about the containers of bulk tests."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 BETWEEN_HEIGHTS = Message(

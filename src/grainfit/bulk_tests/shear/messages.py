@@ -1,7 +1,5 @@
 """Messages to users about the options of a shear test."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 LENGTH_IS_SHORT = Message(

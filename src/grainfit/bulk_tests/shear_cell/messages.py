@@ -1,7 +1,5 @@
 """Messages to users about the options of a shear cell."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 NOT_ASCENDING = Message(

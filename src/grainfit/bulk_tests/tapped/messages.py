@@ -1,7 +1,5 @@
 """Messages to users about the options of a tapped test."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 DROP_IS_HIGH = Message(

@@ -1,7 +1,5 @@
 """Messages to users about the options and the runs of a triaxial test."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 BOX_IS_SMALL = Message(

@@ -1,7 +1,5 @@
 """Messages to users about values of a calibration file."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 UNUSUAL_DENSITY = Message(

@@ -1,7 +1,5 @@
 """The contact model DMT: adhesion with a surface energy, in LAMMPS and YADE."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.dmt.lammps import DmtLammps
 from grainfit.contact_models.dmt.model import attraction

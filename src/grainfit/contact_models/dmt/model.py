@@ -22,7 +22,7 @@ def attraction(contact: Contact) -> Attraction:
     radius = contact.effective_radius
     force = pull_off_force(contact.value("surface_energy"), radius)
     overlap = hertz_overlap(force, particle_moduli(contact.material, contact.body), radius)
-    return Attraction(force, force, overlap, math.sqrt(radius * overlap))
+    return Attraction(force, force, overlap)
 
 
 def pull_off_force(surface_energy: float, effective_radius: float) -> float:

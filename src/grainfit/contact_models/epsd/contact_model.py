@@ -1,7 +1,5 @@
 """The contact model EPSD: rolling friction and rolling damping, in every solver."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.epsd.lammps import EpsdLammps
 from grainfit.contact_models.epsd.liggghts import EPSD_LIGGGHTS

@@ -1,7 +1,5 @@
 """EPSD in the syntax of LIGGGHTS: ``rolling_friction epsd``."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.liggghts import LiggghtsKeywords
 
 EPSD_LIGGGHTS = LiggghtsKeywords(

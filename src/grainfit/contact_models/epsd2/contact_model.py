@@ -1,7 +1,5 @@
 """The contact model EPSD2: rolling friction without rolling damping, in every solver."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.epsd.contact_model import ROLLING_FRICTION, ROLLING_FRICTION_CONVENTION
 from grainfit.contact_models.epsd2.lammps import Epsd2Lammps

@@ -1,7 +1,5 @@
 """EPSD2 in the syntax of LIGGGHTS: ``rolling_friction epsd2``."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.liggghts import LiggghtsKeywords
 
 EPSD2_LIGGGHTS = LiggghtsKeywords(

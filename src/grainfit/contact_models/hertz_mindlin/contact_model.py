@@ -1,7 +1,5 @@
 """The contact model Hertz-Mindlin: sliding friction and restitution, in every solver."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.hertz_mindlin.lammps import HertzMindlinLammps
 from grainfit.contact_models.hertz_mindlin.liggghts import HERTZ_MINDLIN_LIGGGHTS

@@ -1,7 +1,5 @@
 """Hertz-Mindlin in the syntax of LIGGGHTS: ``hertz`` with ``tangential history``."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.liggghts import LiggghtsKeywords
 
 HERTZ_MINDLIN_LIGGGHTS = LiggghtsKeywords(

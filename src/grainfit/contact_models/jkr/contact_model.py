@@ -1,7 +1,5 @@
 """The contact model JKR: adhesion with a surface energy, in LAMMPS."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.jkr.lammps import JkrLammps
 from grainfit.contact_models.jkr.model import attraction

@@ -24,7 +24,7 @@ def attraction(contact: Contact) -> Attraction:
     force = pull_off_force(energy, radius)
     modulus = particle_moduli(contact.material, contact.body).young
     contact_radius = unloaded_contact_radius(energy, modulus, radius)
-    return Attraction(force, force, contact_radius**2 / (3 * radius), contact_radius)
+    return Attraction(force, force, contact_radius**2 / (3 * radius))
 
 
 def pull_off_force(surface_energy: float, effective_radius: float) -> float:

@@ -1,7 +1,5 @@
 """The contact model of linear springs and dashpots, in every solver."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.hertz_mindlin.contact_model import HERTZ_MINDLIN
 from grainfit.contact_models.linear.lammps import LinearLammps

@@ -1,7 +1,5 @@
 """The contact model SJKR: attraction by the true area of intersection, in LIGGGHTS."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.sjkr.liggghts import SJKR_LIGGGHTS
 from grainfit.contact_models.sjkr.model import attraction

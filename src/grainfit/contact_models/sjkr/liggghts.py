@@ -1,7 +1,5 @@
 """SJKR in the syntax of LIGGGHTS: ``cohesion sjkr``."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.liggghts import LiggghtsKeywords
 
 SJKR_LIGGGHTS = LiggghtsKeywords(

@@ -50,7 +50,7 @@ def area_attraction(contact: Contact, area: float) -> Attraction:
             elastic = hertz_stiffness(loaded, moduli, radius)
             loaded -= ((elastic - slope) * loaded - load) / (1.5 * elastic - slope)
     pull_off = slope**3 / (12 * moduli.young**2 * radius)
-    return Attraction(pull_off, slope * loaded, overlap, math.sqrt(radius * overlap))
+    return Attraction(pull_off, slope * loaded, overlap)
 
 
 def sphere_area(distance: float, radius: float, other: float | None) -> float:

@@ -1,7 +1,5 @@
 """The contact model SJKR2: attraction by an approximate area, in LIGGGHTS."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.base import ContactModel
 from grainfit.contact_models.sjkr.contact_model import ATTRACTION, COHESION_ENERGY_DENSITY, OMEGA
 from grainfit.contact_models.sjkr2.liggghts import SJKR2_LIGGGHTS

@@ -1,7 +1,5 @@
 """SJKR2 in the syntax of LIGGGHTS: ``cohesion sjkr2``."""
 
-from __future__ import annotations
-
 from grainfit.contact_models.liggghts import LiggghtsKeywords
 
 SJKR2_LIGGGHTS = LiggghtsKeywords(

@@ -1,7 +1,5 @@
 """Texts of the DEM programs for the user."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 # --- programs ------------------------------------------------------------------------------------

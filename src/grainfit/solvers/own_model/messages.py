@@ -1,7 +1,5 @@
 """Texts of custom models for the user."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 # --- command and function ------------------------------------------------------------------------

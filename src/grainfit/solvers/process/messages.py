@@ -1,7 +1,5 @@
 """Messages of runs that failed as processes: what happened, and what to blame."""
 
-from __future__ import annotations
-
 from grainfit.messages import Message
 
 STOPPED = Message("stopped by the user")
