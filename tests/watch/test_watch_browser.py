@@ -28,6 +28,11 @@ pytestmark = needs.CHROMIUM
 expect.set_options(timeout=60_000)
 LAPTOP, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
 
+BEADS = Path(__file__).parents[2] / "docs" / "recorded" / "beads"
+#: Tables with more columns than can be seen.
+CUT = """() => [...document.querySelectorAll(".table-wrap")].filter(
+    (one) => one.scrollWidth > one.clientWidth
+).map((one) => one.innerText)"""
 #: Share of the newest drawing that is not empty.
 PAINTED = """() => {
     const canvas = document.querySelector("#drawings canvas");
@@ -175,6 +180,15 @@ def test_names_are_text_on_a_laptop_and_a_phone(browser: Browser, tmp_path: Path
             page.set_viewport_size(size)
             assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
             assert violations(page) == []
+        assert faults == []
+
+
+def test_no_column_is_cut_off_in_a_window_of_any_width(browser: Browser) -> None:
+    with served(BEADS) as server, opened(browser, server.address) as (page, faults):
+        expect(page.locator("#parameters")).to_contain_text("rolling friction coefficient")
+        for width in (1100, 700, 390):
+            page.set_viewport_size({"width": width, "height": 800})
+            assert page.evaluate(CUT) == []
         assert faults == []
 
 

@@ -109,6 +109,15 @@ def response_label(name: str, unit: str = "") -> Label:
     return Label(name, symbol, unit_for_people(unit), description)
 
 
+def in_words(saved: SavedCalibration, sentence: str) -> str:
+    """Return a sentence with the words of the pages for free parameters and responses."""
+    labels = [label_of_parameter(saved, one.name) for one in saved.problem.parameters]
+    labels += [label_of_response(saved, name) for name in saved.problem.responses]
+    words = {plain(label.name): label.words for label in labels}
+    names = "|".join(map(re.escape, sorted(words, key=len, reverse=True)))
+    return re.sub(rf"(?<![\w.])(?:{names})(?![\w.]*\w)", lambda m: words[m[0]], plain(sentence))
+
+
 def label_of_parameter(saved: SavedCalibration, name: str) -> Label:
     """Return the label of a free or fixed parameter of a calibration."""
     return parameter_label(name, saved.units.get(name, ""))

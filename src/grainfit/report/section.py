@@ -7,7 +7,6 @@ nothing of the page around it.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -20,7 +19,7 @@ from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import plain
 from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots.figure import Figure
-from grainfit.plots.labels import Label, label_of_parameter, label_of_response
+from grainfit.plots.labels import Label, in_words, label_of_parameter, label_of_response
 from grainfit.problem import Parameter, Target
 from grainfit.report.rendering import fill_template
 from grainfit.result import ParameterInterval
@@ -116,11 +115,7 @@ class ReportContext:
 
     def in_words(self, sentence: str) -> str:
         """Return a sentence with the words of the page for free parameters and responses."""
-        labels = [self.parameter_label(p.name) for p in self.parameters]
-        labels += [self.response_label(name) for name in self.reading.problem.responses]
-        words = {plain(label.name): label.words for label in labels}
-        names = "|".join(map(re.escape, sorted(words, key=len, reverse=True)))
-        return re.sub(rf"(?<![\w.])(?:{names})(?![\w.]*\w)", lambda m: words[m[0]], plain(sentence))
+        return in_words(self.reading, sentence)
 
     def response_label(self, name: str) -> Label:
         """Return the label of a response on the page."""

@@ -110,6 +110,9 @@
     );
   const named = (row) =>
     row.words === row.name ? row.words : make("abbr", { title: row.name }, row.words);
+  // The box at the top says by what it is biased.
+  const determined = ({ determination, bias }) =>
+    bias ? [make("abbr", { title: bias }, determination)] : determination;
   // A long number may break before its error, and nowhere else.
   const unit = (text, sign) => {
     const whole = sign ? `${text}${sign === "°" ? "" : "\u00a0"}${sign}` : text;
@@ -245,7 +248,8 @@
       intervals ? "95 % interval" : null, intervals ? "by the runs" : null, "searched"];
     const rows = parameters.map((row) => [
       [named(row)], known ? unit(row.value, row.unit) : null,
-      intervals ? unit(row.interval, row.unit) : null, intervals ? [row.determination, row.bias].filter(Boolean).join(": ") : null, unit(row.searched, row.unit),
+      intervals ? unit(row.interval, row.unit) : null, intervals ? determined(row) : null,
+      unit(row.searched, row.unit),
     ]);
     const keep = (cells) => cells.filter((cell) => cell !== null);
     const parts = rows.length ? [table(keep(heads), rows.map(keep))] : [];

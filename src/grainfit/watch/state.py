@@ -15,6 +15,7 @@ from grainfit.campaign.store.store import STORE_NAME
 from grainfit.errors import StoreError
 from grainfit.files import is_file
 from grainfit.formatting import plain, probability
+from grainfit.plots.labels import in_words
 from grainfit.report import verdict_messages as messages
 from grainfit.report.page import REPORT_NAME
 from grainfit.report.section import ReportContext
@@ -139,7 +140,7 @@ def state_of(
         "provisional": result is not None and result is not saved.result,
         **_of_live(reading),
         "several": several_tests(reading.requests),
-        "notices": [plain(notice) for notice in _notices(reading)],
+        "notices": [in_words(saved, notice) for notice in _notices(reading)],
         "stop": _stop(reading),
         "report": _has_report(reading),
         "shown": MOST_ROWS,
