@@ -99,7 +99,7 @@ def number(value: float | None, digits: int = 4) -> str:
     """
     if value is None or not isfinite(value):
         return "–"
-    return _with_power(_significant(value, digits))
+    return with_power(_significant(value, digits))
 
 
 def _significant(value: float, digits: int) -> str:
@@ -119,7 +119,7 @@ def rounded(value: float | None, uncertainty: float | None) -> str:
     """
     if value is None or not isfinite(value):
         return "–"
-    return _with_power(_to_uncertainty(value, uncertainty))
+    return with_power(_to_uncertainty(value, uncertainty))
 
 
 def on_curve(place: float, coordinate: str, unit: str) -> str:
@@ -239,8 +239,14 @@ def plain_ends(low: float, high: float) -> str:
     return f"{_significant(low, digits)} to {_significant(high, digits)}"
 
 
-def _with_power(text: str) -> str:
-    """Return a number printed by Python with a typographic minus sign and power of ten."""
+def with_power(text: str) -> str:
+    """Return a number printed by Python with a typographic minus sign and power of ten.
+
+    Examples
+    --------
+    >>> with_power("-5.0e-04")
+    '−5.0·10⁻⁴'
+    """
     mantissa, _, power = text.replace("-", "−").partition("e")
     if not power:
         return mantissa
