@@ -10,6 +10,7 @@
   }
   const POINTS = 49;
   const STEPS = 200;
+  const LEAST_ROOM = 0.13;
   const NORMAL_QUANTILE = 1.959963984540054;
   const GRAVITY = 9.81;
   const WIDTH = 460;
@@ -83,6 +84,28 @@
     return found;
   }
 
+  // Round values of an input with room for their digits between them.
+  function roundValues(input) {
+    const found = [];
+    const first = Math.floor(Math.log10(input.low));
+    const last = Math.ceil(Math.log10(input.high));
+    for (let power = first; power <= last; power++) {
+      for (const digit of [1, 2, 5]) {
+        const value = Number(`${digit}e${power}`);
+        const share = shareOf(input, value);
+        const before = found.length ? shareOf(input, found[found.length - 1]) : -1;
+        if (share > -1e-9 && share < 1 + 1e-9 && share - before > LEAST_ROOM) found.push(value);
+      }
+    }
+    return found.length > 1 ? found : [input.low, input.high];
+  }
+
+  // In which unit a response is shown: lengths of an apparatus in millimetres.
+  function shownIn(unit) {
+    if (unit === "m") return { factor: 1000, sign: "\u00a0mm" };
+    return { factor: 1, sign: unit === "°" || !unit ? unit : `\u00a0${unit}` };
+  }
+
   function path(points) {
     return points.map(([x, y], i) => `${i ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`).join("");
   }
@@ -102,19 +125,22 @@
     const y = (value) => 8 + ((high - value) / (high - low || 1)) * (HEIGHT - BOTTOM - 8);
     const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img" });
     const input = test.inputs[axis];
-    const unit = response.unit ? ` ${response.unit}` : "";
-    const value = `${text(here.values[1])}${unit}, 95 % ${text(here.values[0])} to ${text(here.values[2])}`;
+    const { factor, sign } = shownIn(response.unit);
+    const shown = (number) => text(factor * number);
+    const [least, mean, most] = here.values.map(shown);
+    const value = `${mean}${sign}, 95\u00a0% ${least} to ${most}${sign}`;
     drawing.append(svg("title", {}, `${response.name} over ${input.words}: here ${value}`));
-    ticks(low, high).forEach((tick) => {
+    ticks(factor * low, factor * high).forEach((tick) => {
+      const at = y(tick / factor);
       drawing.append(
-        svg("line", { class: "grid", x1: LEFT, x2: WIDTH - 8, y1: y(tick), y2: y(tick) }),
-        svg("text", { x: LEFT - 6, y: y(tick) + 4, "text-anchor": "end" }, text(tick))
+        svg("line", { class: "grid", x1: LEFT, x2: WIDTH - 8, y1: at, y2: at }),
+        svg("text", { x: LEFT - 6, y: at + 4, "text-anchor": "end" }, text(tick))
       );
     });
-    [0, 0.25, 0.5, 0.75, 1].forEach((share) => {
-      const anchor = share === 1 ? "end" : share === 0 ? "start" : "middle";
-      const words = text(valueAt(input, share));
-      drawing.append(svg("text", { x: x(share), y: HEIGHT - 18, "text-anchor": anchor }, words));
+    roundValues(input).forEach((round) => {
+      const share = shareOf(input, round);
+      const anchor = share > 0.95 ? "end" : share < 0.05 ? "start" : "middle";
+      drawing.append(svg("text", { x: x(share), y: HEIGHT - 18, "text-anchor": anchor }, text(round)));
     });
     drawing.append(
       svg("text", { x: x(0.5), y: HEIGHT - 3, "text-anchor": "middle" }, input.words),
@@ -144,7 +170,9 @@
     const axis = Number(find("atlas-axis").value);
     find("atlas-charts").replaceChildren(...test.responses.map((one) => chart(one, axis)));
     test.inputs.forEach((input, j) => {
-      find(`atlas-value-${j}`).textContent = text(valueAt(input, shares[j]));
+      const value = text(valueAt(input, shares[j]));
+      find(`atlas-value-${j}`).textContent = value;
+      find(`atlas-input-${j}`).setAttribute("aria-valuetext", value);
     });
   }
 
@@ -169,13 +197,12 @@
     range.value = Math.round(STEPS * shares[j]);
     range.addEventListener("input", () => {
       shares[j] = Number(range.value) / STEPS;
-      range.setAttribute("aria-valuetext", text(valueAt(input, shares[j])));
       showSoon();
     });
     const value = document.createElement("output");
     value.id = `atlas-value-${j}`;
     value.htmlFor.add(range.id);
-    place.append(label, range, value);
+    place.append(label, value, range);
     return place;
   }
 
