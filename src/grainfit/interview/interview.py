@@ -170,8 +170,10 @@ class Interview(OneLine):
         """What is to be done before a calibration can start; empty if nothing is."""
         tests = answers.named_tests(self.text)
         if not tests:
-            possible = ways(answers.at_hand(self.text))
-            return (messages.NOT_CHOSEN() if possible else messages.NOTHING_POSSIBLE(),)
+            at_hand = answers.at_hand(self.text)
+            if not at_hand:
+                return (messages.NOTHING_AT_HAND(),)
+            return (messages.NOT_CHOSEN() if ways(at_hand) else messages.NOTHING_POSSIBLE(),)
         bare = [name for name, test in tests if not answers.is_measured(test)]
         if not bare:
             return ()

@@ -39,6 +39,9 @@ TEST_IS_MEASURED = Message(
     "{name} has measured values.", "Remove its section in an editor if they are not to count."
 )
 NO_QUESTION = Message("there is no such question.")
+NOTHING_AT_HAND = Message(
+    "Say which material it is, and what is at hand:", "the tests that it can measure follow."
+)
 NOTHING_POSSIBLE = Message(
     "No test can be measured with what is at hand.",
     "A bucket and a scale are enough for the bulk density.",

@@ -77,13 +77,16 @@
     }, 350);
   };
 
+  // What does not fit into the field is said above it.
+  const LONGEST = 24;
+  const usual = ({ usual: words }) => (words ? `usual: ${words}` : "");
+  const isLong = (question) => usual(question).length > LONGEST;
   const textField = (question) => {
     const id = idOf(question.key);
     const field = element("input", {
       id, type: "text", autocomplete: "off", spellcheck: false,
       value: drafts[question.key] ?? question.answer,
-      placeholder: question.usual && !isMeasured(question)
-        ? `usual: ${question.usual}` : question.usual,
+      placeholder: isMeasured(question) ? question.usual : isLong(question) ? "" : usual(question),
     });
     if (question.key === "material") {
       field.setAttribute("list", "materials");
@@ -183,7 +186,12 @@
     const id = idOf(question.key);
     const said = element("p", { id: `${id}-said`, className: "implies", textContent: question.implies });
     said.setAttribute("aria-live", "polite");
-    const help = element("p", { id: `${id}-help`, className: "help", textContent: question.help });
+    const isTyped = !question.several && !Object.keys(question.options).length;
+    const more = isTyped && !isMeasured(question) && isLong(question)
+      ? ` ${usual(question).replace(/^u/, "U")}.` : "";
+    const help = element("p", {
+      id: `${id}-help`, className: "help", textContent: `${question.help}${more}`,
+    });
     const title = question.text;
     if (question.several) {
       const box = element("fieldset", { className: "question" },
@@ -221,10 +229,13 @@
         }
         const drawing = state.drawings[question.group];
         if (drawing) {
-          section.append(element("img", {
+          const box = element("div", { className: "wide", tabIndex: 0 }, element("img", {
             src: `data:image/svg+xml,${encodeURIComponent(drawing)}`,
             alt: "The apparatus, with its dimensions and what is measured", className: "apparatus",
           }));
+          box.setAttribute("role", "region");
+          box.setAttribute("aria-label", `Drawing of the test ${question.group}`);
+          section.append(box);
         }
         sections.set(question.group, section);
       }
