@@ -208,10 +208,7 @@ class Compression(BulkTest):
     )
     settling_time_limit: Amount | None = settling_option()
 
-    @cached_property
-    def setup(self) -> CompressionSetup:
-        """Geometry and procedure, with every default resolved."""
-        return CompressionSetup(self)
+    setup = cached_property(CompressionSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""

@@ -168,10 +168,7 @@ class Discharge(BulkTest):
         default=Derived("four times the expected time of the flow", lambda s: s.usual_limit),
     )
 
-    @cached_property
-    def setup(self) -> DischargeSetup:
-        """Geometry and procedure, with every default resolved."""
-        return DischargeSetup(self)
+    setup = cached_property(DischargeSetup)
 
     size_powers: ClassVar[Mapping[str, float | None]] = {}
     flow_powers: ClassVar[Mapping[str, float]] = {"mass_flow": 1}

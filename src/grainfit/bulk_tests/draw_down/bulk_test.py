@@ -233,10 +233,7 @@ class DrawDown(BulkTest):
         default=Derived("three times the expected time of the flow", lambda s: s.usual_limit),
     )
 
-    @cached_property
-    def setup(self) -> DrawDownSetup:
-        """Geometry and procedure, with every default resolved."""
-        return DrawDownSetup(self)
+    setup = cached_property(DrawDownSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""

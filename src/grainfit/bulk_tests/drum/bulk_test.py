@@ -230,10 +230,7 @@ class Drum(BulkTest):
         default=Derived("0.9, or 150 sqrt(d/g) where that is longer", lambda s: s.usual_turns),
     )
 
-    @cached_property
-    def setup(self) -> DrumSetup:
-        """Geometry and procedure, with every default resolved."""
-        return DrumSetup(self)
+    setup = cached_property(DrumSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""

@@ -231,10 +231,7 @@ class Funnel(BulkTest):
     )
     views: int = views_option()
 
-    @cached_property
-    def setup(self) -> FunnelSetup:
-        """Geometry and procedure, with every default resolved."""
-        return FunnelSetup(self)
+    setup = cached_property(FunnelSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large.

@@ -234,10 +234,7 @@ class Heap(BulkTest):
     settling_time_limit: Amount | None = settling_option("the bed and the heap")
     views: int = views_option()
 
-    @cached_property
-    def setup(self) -> HeapSetup:
-        """Geometry and procedure, with every default resolved."""
-        return HeapSetup(self)
+    setup = cached_property(HeapSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""

@@ -152,10 +152,7 @@ class Hopper(Discharge):
         default=Derived("that of the height"),
     )
 
-    @cached_property
-    def setup(self) -> HopperSetup:
-        """Geometry and procedure, with every default resolved."""
-        return HopperSetup(self)
+    setup = cached_property(HopperSetup)
 
     size_powers: ClassVar[Mapping[str, float | None]] = {"discharge_time": 3, "residual_mass": 3}
     flow_powers: ClassVar[Mapping[str, float]] = {"mass_flow": 1, "discharge_time": -1}

@@ -152,10 +152,7 @@ class Packing(BulkTest):
     )
     settling_time_limit: Amount | None = settling_option()
 
-    @cached_property
-    def setup(self) -> PackingSetup:
-        """Geometry and procedure, with every default resolved."""
-        return PackingSetup(self)
+    setup = cached_property(PackingSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""

@@ -108,10 +108,7 @@ class PlaneShear(BulkTest):
     )
     gravity: Amount = laboratory_gravity_option("sheared")
 
-    @cached_property
-    def setup(self) -> ShearSetup:
-        """Geometry and procedure, with every default resolved."""
-        return ShearSetup(self)
+    setup = cached_property(ShearSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""

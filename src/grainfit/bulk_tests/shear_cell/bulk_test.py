@@ -242,10 +242,7 @@ class ShearCell(PlaneShear):
         default=Derived("8 d", lambda s: s.usual("gap", 8)),
     )
 
-    @cached_property
-    def setup(self) -> ShearCellSetup:
-        """Geometry and procedure, with every default resolved."""
-        return ShearCellSetup(self)
+    setup = cached_property(ShearCellSetup)
 
     def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
         """Return the normal stresses at failure."""

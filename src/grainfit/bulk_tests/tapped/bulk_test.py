@@ -149,10 +149,7 @@ class Tapped(Packing):
         default=Derived("1 d", lambda s: s.d),
     )
 
-    @cached_property
-    def setup(self) -> TappedSetup:
-        """Geometry and procedure, with every default resolved."""
-        return TappedSetup(self)
+    setup = cached_property(TappedSetup)
 
     def curve_range(self, name: str) -> CurveRange:  # noqa: ARG002
         """Return the taps of the test."""

@@ -207,10 +207,7 @@ class Triaxial(BulkTest):
     )
     gravity: Amount = laboratory_gravity_option("compressed")
 
-    @cached_property
-    def setup(self) -> TriaxialSetup:
-        """Geometry and procedure, with every default resolved."""
-        return TriaxialSetup(self)
+    setup = cached_property(TriaxialSetup)
 
     def at_size(self, scale: float) -> dict[str, Amount]:
         """Return the options of an apparatus that is so many times as large."""
