@@ -221,7 +221,7 @@ def three_heaps(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Material]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("diameter", [0.002, 0.050])
+@pytest.mark.parametrize("diameter", [0.002, pytest.param(0.050, marks=pytest.mark.thorough)])
 def test_simulated_runs_of_two_sizes_are_the_same_run(
     diameter: float, three_heaps: Callable[[Material], Simulated]
 ) -> None:

@@ -41,8 +41,15 @@ def test_a_calibration_killed_at_random_moments_comes_to_the_same_answer(
     assert_nothing_happened(kill_at_random(VARIANTS[0], kills, tmp_path), kills)
 
 
-# The first variant is that of the kills above.
-@pytest.mark.parametrize("variant", VARIANTS[1:], ids=lambda variant: variant.name)
+@pytest.mark.parametrize(
+    "variant",
+    [
+        pytest.param(variant, marks=[pytest.mark.thorough] * (variant.strategy != "sequential"))
+        # The first variant is that of the kills above.
+        for variant in VARIANTS[1:]
+    ],
+    ids=lambda variant: variant.name,
+)
 def test_a_killed_calibration_goes_on_and_repeats_no_finished_run(
     variant: Variant, tmp_path: Path
 ) -> None:

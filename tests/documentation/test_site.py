@@ -109,9 +109,15 @@ def test_a_search_by_use_has_the_answer_first() -> None:
 
 
 @pytest.mark.slow
-# The navigation of the site's own theme takes more time than all the rest.
-@pytest.mark.parametrize("theme", ["basic", pytest.param("furo", marks=pytest.mark.thorough)])
-def test_the_site_is_built_without_a_warning(theme: str, tmp_path: Path) -> None:
+# The navigation of the site's own theme takes more time than all the rest; so do the figures.
+@pytest.mark.parametrize(
+    ("theme", "figures"),
+    [
+        ("basic", "/plot_posterior"),
+        pytest.param("furo", "/plot_", marks=pytest.mark.thorough),
+    ],
+)
+def test_the_site_is_built_without_a_warning(theme: str, figures: str, tmp_path: Path) -> None:
     # A copy, because the build writes pages into docs/, as may another build at the same time.
     copied = tmp_path / "copy"
     copied.mkdir()
@@ -119,7 +125,8 @@ def test_the_site_is_built_without_a_warning(theme: str, tmp_path: Path) -> None
         (copied / name).symlink_to(ROOT / name)
     shutil.copytree(DOCS, copied / "docs", ignore=shutil.ignore_patterns("generated"))
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q"]
-    command += ["-D", f"html_theme={theme}", "docs", "site"]
+    command += ["-D", f"html_theme={theme}"]
+    command += ["-D", f"sphinx_gallery_conf.filename_pattern={figures}", "docs", "site"]
     built = subprocess.run(command, cwd=copied, capture_output=True, text=True, timeout=600)
 
     assert built.returncode == 0, built.stderr

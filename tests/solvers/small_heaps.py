@@ -14,6 +14,14 @@ each_solver = pytest.mark.parametrize(
         pytest.param(Liggghts, id="liggghts", marks=needs.LIGGGHTS),
     ],
 )
+#: What LIGGGHTS shares with LAMMPS but for its deck, which shorter tests look at.
+lammps_and_thoroughly_liggghts = pytest.mark.parametrize(
+    "solver_type",
+    [
+        pytest.param(Lammps, id="lammps"),
+        pytest.param(Liggghts, id="liggghts", marks=[needs.LIGGGHTS, pytest.mark.thorough]),
+    ],
+)
 SMALL_HEAP = {
     "cylinder_radius": 0.04,
     "strike_off_height": 0.08,

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from small_heaps import SMALL_HEAP, each_solver
+from small_heaps import SMALL_HEAP, each_solver, lammps_and_thoroughly_liggghts
 
 import needs
 from grainfit.bulk_tests.heap import Heap
@@ -176,7 +176,7 @@ class TestRealHeaps:
         assert response["bulk_density"] == pytest.approx(1356, abs=4 * 3.7)
         assert response["angle_of_repose"] == pytest.approx(21.9, abs=4 * 0.8)
 
-    @each_solver
+    @lammps_and_thoroughly_liggghts
     def test_equal_seeds_give_equal_heaps_and_other_seeds_others(
         self, solver_type, small_heap, tmp_path
     ):
@@ -194,7 +194,7 @@ class TestRealHeaps:
         # The folder can be copied and its deck run by hand.
         assert str(folder) not in left[f"in.{solver_type.name}"].read_text()
 
-    @each_solver
+    @lammps_and_thoroughly_liggghts
     def test_bidisperse_particles_pack_denser(self, solver_type, tmp_path):
         sizes = ParticleSizes((0.012, 0.007), (0.6, 0.4))
         result = run(solver_type, tmp_path, Heap(sizes, **SMALL_HEAP))
@@ -207,7 +207,7 @@ class TestRealHeaps:
         names = ["particle_particle.rolling_damping", "particle_wall.rolling_friction"]
         assert run(solver_type, tmp_path, **dict.fromkeys(names, 0.0))["bulk_density"] > 1200
 
-    @each_solver
+    @lammps_and_thoroughly_liggghts
     def test_a_heap_without_friction_rolls_away(self, solver_type, tmp_path):
         test = replace(SMALL, plate_sliding_friction=0, plate_rolling_friction=0)
         nothing = {name: 0.0 for name in GLASS_BEADS if name.endswith("_friction")}

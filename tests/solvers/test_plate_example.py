@@ -68,7 +68,7 @@ def test_a_plate_with_hardly_a_layer_has_no_angle(plate_box: Any) -> None:
         plate_box.measure(pile(4.0, 0.3, 0.05), sizes, {"plate": 0.6, "depth": 0.05})
 
 
-@pytest.mark.parametrize("end_walls", [False, True])
+@pytest.mark.parametrize("end_walls", [pytest.param(False, marks=pytest.mark.thorough), True])
 def test_a_pile_stays_on_the_plate_and_the_rest_leaves_the_box(
     tmp_path: Path, end_walls: bool
 ) -> None:

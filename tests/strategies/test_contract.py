@@ -11,6 +11,10 @@ class TestStaged(StrategyContract):
     def strategy(self) -> Strategy:
         return Staged()
 
+    @pytest.mark.thorough
+    def test_it_learns_from_runs_of_others(self, strategy, make) -> None:
+        super().test_it_learns_from_runs_of_others(strategy, make)
+
 
 class TestSequential(StrategyContract):
     @pytest.fixture

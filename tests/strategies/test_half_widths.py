@@ -85,7 +85,7 @@ def half_widths(found: Mapping[str, tuple[float, float]], search: Search) -> dic
 # What it reaches -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2, pytest.param(3, marks=pytest.mark.thorough)])
 def test_a_wanted_half_width_is_reached_and_the_interval_holds_the_truth(seed: int) -> None:
     problem = ridge()
     usual, few = calibrated(None, seed)

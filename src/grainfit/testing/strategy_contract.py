@@ -277,8 +277,7 @@ class StrategyContract:
         assert json.loads(text) == definition
         assert make(heap_problem(), 5).definition == definition
 
-    @pytest.mark.parametrize("workers", [1, 3])
-    @pytest.mark.parametrize("behind_design", [-2, 1, 3])
+    @pytest.mark.parametrize(("workers", "behind_design"), [(3, -2), (3, 1), (1, 3)])
     def test_it_goes_on_from_its_history_as_if_nothing_had_happened(
         self, make: Make, workers: int, behind_design: int
     ) -> None:
