@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import linalg, optimize
 from scipy.linalg import lapack
-from scipy.spatial.distance import pdist, squareform
+from scipy.spatial.distance import cdist, squareform
 
 from grainfit.metamodels.predictor import Contrasts, FloatArray, Hyperparameters, matern_and_slope
 
@@ -106,6 +106,8 @@ class HyperparameterPosterior:
         known_variance: float = 0.0,
     ) -> None:
         self.points = points
+        #: Places of the pairs of runs in the flat matrix of all distances.
+        self._pairs = np.flatnonzero(np.triu(np.ones((len(points),) * 2), 1))
         self._known_runs = RUNS_OF_KNOWN_SCATTER if known_variance > 0 else 0
         self._known_squares = self._known_runs * known_variance
         self.contrasts = contrasts
@@ -130,7 +132,9 @@ class HyperparameterPosterior:
     def _covariance(self, theta: FloatArray) -> _Covariance:
         ranges = np.exp(theta[:-1])
         noise_share = 1.0 / (1.0 + math.exp(-theta[-1]))
-        of_pairs, slope = matern_and_slope(pdist(self.points / ranges))
+        scaled = self.points / ranges
+        # `pdist` would look up the library of its arrays at each call, which takes longer.
+        of_pairs, slope = matern_and_slope(cdist(scaled, scaled).take(self._pairs))
         of_runs = squareform(of_pairs)
         np.fill_diagonal(of_runs, 1.0)
         correlation = self.contrasts.covariance(of_runs)

@@ -88,7 +88,10 @@ class Trend:
 
     def matrix(self, points: FloatArray) -> FloatArray:
         """Values of the trend functions at points, shape (points, functions)."""
-        return np.column_stack([np.ones(len(points)), points[:, list(self.columns)] - 0.5])
+        values = np.ones((len(points), 1 + len(self.columns)), order="F")
+        values[:, 1:] = points[:, list(self.columns)]
+        values[:, 1:] -= 0.5
+        return values
 
     def slopes(self, coefficients: FloatArray, d: int) -> FloatArray:
         """Slopes of the trend along all d axes."""
@@ -141,14 +144,17 @@ class Contrasts:
 
     def spread(self, of_contrasts: FloatArray) -> FloatArray:
         """Turn a symmetric matrix of the contrasts into that of the runs: C M C'."""
-        rank = len(self._mixing)
-        return self._turned(np.pad(of_contrasts, ((rank, 0), (rank, 0))), self._mixing.T)
+        rank, n = len(self._mixing), len(self._reflections)
+        padded = np.zeros((n, n))
+        padded[rank:, rank:] = of_contrasts
+        return self._turned(padded, self._mixing.T)
 
     def _turned(self, matrix: FloatArray, mixing: FloatArray) -> FloatArray:
         turned = self._reflections @ mixing
         across = matrix @ turned
         half = self._reflections @ (0.5 * (turned.T @ across)) - across
-        left, right = np.hstack([half, self._reflections]), np.hstack([self._reflections, half])
+        left = np.concatenate([half, self._reflections], axis=1)
+        right = np.concatenate([self._reflections, half], axis=1)
         return np.asarray(matrix + left @ right.T)
 
 
