@@ -230,7 +230,7 @@ def _of_test(name: str, test: Mapping[str, Any], number: int, file: Path) -> Ite
             name,
             typed(target),
             usual="not measured",
-            implies=" ".join((found.result, *found.found))
+            implies="\n".join((found.result, *found.found))
             if found
             else implied(response, test["type"], target),
             entry=_REPEATS,

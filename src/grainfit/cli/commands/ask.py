@@ -16,7 +16,7 @@ from grainfit.cli.consoles import err, err_remarks, out
 from grainfit.cli.exit_codes import INTERRUPTED
 from grainfit.cli.options import NewCalibrationPath, TestSolver
 from grainfit.errors import InputError
-from grainfit.formatting import plain
+from grainfit.formatting import plain, plain_lines
 
 if TYPE_CHECKING:
     from grainfit.interview.interview import Interview
@@ -141,7 +141,7 @@ class _Conversation:
         if question.options:
             show_options(question.options)
         if question.implies:
-            err.print(Text(plain(question.implies), "dim"))
+            err.print(_lines(question.implies, "dim"))
         hint = f" [{plain(question.usual)}]" if question.usual and not question.answer else ""
         if question.key == "tests":
             hint = f" ({_COMPARE}: by the atlas)"
@@ -183,7 +183,11 @@ class _Conversation:
         if is_measured:
             self._measured = True
             found = {one.key: one.implies for one in changed.questions()}
-            err.print(Text(plain(found.get(key, "")), "green"))
+            err.print(_lines(found.get(key, ""), "green"))
+
+
+def _lines(text: str, style: str) -> Text:
+    return Text("\n".join(plain_lines(text)), style)
 
 
 def _typed(given: str, question: Question) -> str:
