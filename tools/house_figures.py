@@ -2,7 +2,7 @@
 
 python tools/house_figures.py                      print the table of this state
 python tools/house_figures.py --before FOLDER      beside that of another checkout
-python tools/house_figures.py --before FOLDER --write    and put it into docs/architecture.md
+python tools/house_figures.py --before FOLDER --write    and put it into its page
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ except ImportError:  # Run as a script, from this folder.
     from house import ROOT, modules, room_of  # type: ignore[no-redef]
     from walks import House, walk  # type: ignore[no-redef]
 
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = ROOT / "docs" / "developers" / "house_figures.md"
 BEGIN, END = "<!-- figures of the house -->", "<!-- end of the figures -->"
 #: Ways of a parameter; a state has the first of the places that exists there.
 WALKS: Mapping[str, tuple[str, ...]] = {
