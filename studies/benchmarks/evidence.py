@@ -212,7 +212,7 @@ def _compressed() -> Evidence:
 
 def _pages() -> Iterator[Evidence]:
     """Read the figures of commands whose output stands on a page."""
-    hopper, page = "docs/hopper_test.md", "docs/developers/benchmarks.md"
+    hopper, page = "docs/developers/evidence.md", "docs/developers/benchmarks.md"
     for outlet, c, k in (("round", 0.58, 1.4), ("slot", 1.04, 1.4)):
         *_, found_k, found_c = _row(hopper, f"lammps | {outlet}")
         is_met = abs(float(found_c) / c - 1) <= 0.1 and abs(float(found_k) - k) <= 0.2

@@ -63,7 +63,7 @@ def test_truncated_classes_keep_the_surface_of_what_is_left(
 @pytest.mark.parametrize(
     ("spread", "classes", "number", "mean_diameter"),
     [
-        # The table of docs/particle_sizes.md.
+        # The table of docs/developers/evidence.md.
         (1.2, 5, -0.013, -0.003),
         (1.4, 5, -0.058, -0.012),
         (1.4, 10, -0.031, -0.005),

@@ -84,7 +84,7 @@ class OverlapLaw:
 
 #: Of beds that only their own weight presses: the default heap, two materials together, two to six
 #: seeds each (standard error 0.003); from 112,000 to 447,000 it does not change any more:
-#: docs/stiffness.md. Beds are ten particles high; higher beds have more.
+#: docs/developers/evidence.md. Beds are ten particles high; higher beds have more.
 UNDER_OWN_WEIGHT = OverlapLaw(
     "E/(\u03c1 g d)",
     (
@@ -98,14 +98,14 @@ UNDER_OWN_WEIGHT = OverlapLaw(
 )
 #: Of beds under a stress. The overlap of Hertz contacts follows (stress / E)^(2/3); the factor is
 #: that of 14 compression tests at 1000 to 64,000 with two materials (6.1 to 0.4 %), from which a
-#: run deviates by 0.6 %: docs/stiffness.md. Below 0.1 % nothing is left.
+#: run deviates by 0.6 %: docs/developers/evidence.md. Below 0.1 % nothing is left.
 UNDER_A_STRESS = OverlapLaw(
     "E/stress",
     (*((1000 * 2**n, 0.061 * 2 ** (-2 / 3 * n)) for n in range(9)), (512_000, 0.0)),
 )
 #: Of beds in steady shear under a normal stress: the factor of (stress / E)^(2/3) is that of 15
 #: runs of one material at 720 to 46,000 (9.1 to 0.6 %), from which a run deviates by 0.5 %, see
-#: docs/stiffness.md. Trials at 216 to 7200 gave 7.7 instead of 7.3.
+#: docs/developers/evidence.md. Trials at 216 to 7200 gave 7.7 instead of 7.3.
 IN_SHEAR = OverlapLaw(
     "E/normal stress",
     (*((700 * 2**n, 7.3 * (700 * 2**n) ** (-2 / 3)) for n in range(9)), (512_000, 0.0)),

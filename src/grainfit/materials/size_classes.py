@@ -2,8 +2,8 @@
 
 A class is a bin of the distribution, of equal mass for all classes, and its diameter is the Sauter
 diameter of the bin: 1 / d is the mean of 1 / d over the mass. So mass and specific surface,
-6 / (density d32), are exact with any number of classes. `docs/particle_sizes.md` shows what the
-other moments lose, and `docs/developers/decisions.md` why it is not a Gauss quadrature.
+6 / (density d32), are exact with any number of classes. `docs/developers/evidence.md` shows what
+the other moments lose, and `docs/developers/decisions.md` why it is not a Gauss quadrature.
 """
 
 from __future__ import annotations
