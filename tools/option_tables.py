@@ -1,6 +1,6 @@
 """Write the tables of options in docs/reference/calibration_file from their declarations.
 
-Instruments are in docs/instruments.md, from their files.
+Instruments are in docs/instruments.md, from their files, and checks in docs/command_line.md.
 
 python tools/option_tables.py
 
@@ -17,6 +17,7 @@ from pathlib import Path
 
 from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.registry import BUILT_IN, OWN_SCENE
+from grainfit.calibration_file.checks.registry import all_checks
 from grainfit.calibration_file.strategy_section import CALIBRATION_KEYS
 from grainfit.formatting import unit_for_people
 from grainfit.materials.diameters import DISTRIBUTION
@@ -34,6 +35,7 @@ TESTS = {**BUILT_IN, OWN_SCENE.type: OWN_SCENE}
 _NONE = "–"
 _PARTS = re.compile(r"(?<=Parts: )\w+(, \w+)*(?=\.)")
 _STRATEGY, _SIZES, _INSTRUMENTS = "[strategy]", "particle sizes", "instruments"
+_CHECKS = "checks"
 
 
 def pages() -> dict[Path, str]:
@@ -42,6 +44,7 @@ def pages() -> dict[Path, str]:
         FOLDER / "particle.md": (_SIZES, _size_tables()),
         FOLDER / "strategy.md": (_STRATEGY, _strategy_tables()),
         DOCS / "instruments.md": (_INSTRUMENTS, _instruments()),
+        DOCS / "command_line.md": (_CHECKS, _checks()),
     }
     written |= {page_of(name): (name, _test_tables(types_of_test()[name])) for name in TESTS}
     return {page: _with_tables(page, *tables) for page, tables in written.items()}
@@ -63,6 +66,11 @@ def _with_tables(page: Path, name: str, tables: str) -> str:
     linked = re.sub(r"\]\((?=\w+\.md)", f"]({to_docs}", tables)
     pattern = f"{re.escape(begin)}.*{re.escape(end)}"
     return re.sub(pattern, lambda _: f"{begin}\n\n{linked}\n\n{end}", text, flags=re.DOTALL)
+
+
+def _checks() -> str:
+    rows = ((f"`{check.name}`", str(check.severity), check.about) for check in all_checks())
+    return _table(("check", "severity", "finds"), rows)
 
 
 def _instruments() -> str:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 #: New page by old page, both without their ending; a folder's index leads to the page of an anchor.
 MOVED = {
     "benchmarks": "developers/benchmarks",
+    "building_the_site": "developers/building_the_site",
     "calibration_file": "reference/calibration_file/index",
     "decisions": "developers/decisions",
 }

@@ -87,7 +87,7 @@ const USES = {
   "starting_materials": "material library, typical values, published values, rape seed, canola, "
     + "wood pellets, soybean, coal, cement, polypropylene, fertiliser, sand, wheat, corn, granulate",
 };
-const LAST = /^(developers|studies)\/|^generated\/(changelog|contributing)$|^architecture$|^building_the_site$/;
+const LAST = /^(developers|studies)\/|^generated\/(changelog|contributing)$|^architecture$/;
 // Of pages that hold the words alike: keys of the file first, then what is made from docstrings.
 const WEIGHTS = [[LAST, -100], [/^generated\//, -2], [/^reference\/calibration_file\//, 1], [/./, 0]];
 const ASKING = "a an and are be can do does for from get give how i if in into is it me my need of on or our"

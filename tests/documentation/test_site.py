@@ -66,7 +66,7 @@ FIRST_HITS = {
 #: Words of many pages.
 FULL_TEXT = ("LAMMPS", "time step", "cylinder_radius")
 #: Pages that come last, unless a query asks for them.
-DEVELOPERS = ("developers/", "studies/", "architecture", "building_the_site", "generated/c")
+DEVELOPERS = ("developers/", "studies/", "architecture", "generated/c")
 #: Searches as a page of the site does; its argument is JSON: scripts to load, then queries.
 SEARCH = """
 const [scripts, queries] = JSON.parse(process.argv[1]);
