@@ -239,8 +239,8 @@ options = ["--mem=4G", "--constraint=skylake"]
 
 def test_the_example_of_the_documentation_loads(tmp_path: Path) -> None:
     text = (EXAMPLES.parent / "docs" / "clusters.md").read_text(encoding="utf-8")
-    [example, *_] = re.findall(r"```toml\n(name = .*?)```", text, re.DOTALL)
-    read = load(example, tmp_path).cluster
+    [example, *_] = re.findall(r"```toml\n(\[cluster\]\n.*?)```", text, re.DOTALL)
+    read = load(f"{GLASS_BEADS}\n{example}", tmp_path).cluster
     assert read is not None
     assert read.workers == 16
 

@@ -12,15 +12,18 @@ import grainfit as gf
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.testing.strategy_contract import heap, heap_problem
 
-PAGE = Path(__file__).parents[2] / "docs" / "ask_and_tell.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = (DOCS / "ask_and_tell.md", DOCS / "developers" / "own_strategy.md")
 
 
 @pytest.fixture(scope="module")
 def page() -> dict[str, Any]:
-    """Names that the code of the page defines, block after block."""
+    """Names that the code of the page and of the next one defines, block after block."""
     names: dict[str, Any] = {"__name__": "page"}
-    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        exec(compile(block, str(PAGE), "exec", dont_inherit=True), names)
+    for path in PAGES:
+        text = path.read_text(encoding="utf-8")
+        for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+            exec(compile(block, str(path), "exec", dont_inherit=True), names)
     return names
 
 
