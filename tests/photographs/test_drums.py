@@ -421,3 +421,17 @@ def test_faults_of_videos_have_line_key_and_what_to_do(folder: Path) -> None:
         said = str(error.value)
         assert f"line 25, test 1, targets.upper_angle.{key}:" in said, said
         assert why.is_in(said), said
+
+
+def test_a_mark_that_is_seen_on_a_part_of_its_way_tells_the_speed() -> None:
+    # Before a dark wall it hardly stands out: the speed was 5 % too small, stated within 0.8 %.
+    rng = np.random.default_rng(1)
+    frames, azimuth = np.arange(24), 2 * np.pi * np.arange(256) / 256
+    ahead = np.angle(np.exp(1j * (azimuth - 0.3142 * frames[:, None])))
+    shown = np.where((frames >= 8) & (frames < 16), 25.0, 3.0)
+    rims = 60 + shown[:, None] * np.exp(-((ahead / 0.06) ** 2)) + rng.normal(0, 1, ahead.shape)
+
+    found = rotational_speed([rim[None] for rim in rims], 0.5)
+
+    assert found is not None
+    assert found.value == pytest.approx(0.3142 / 0.5, rel=0.005)

@@ -19,8 +19,9 @@ Waves = NDArray[np.complex128]
 _RINGS = np.linspace(1.02, 1.34, 9)
 _BANDS = 3
 _AZIMUTHS = 256
-#: Waves around the rim that are compared, and steps of the speed in one of the lowest resolved.
-_WAVES, _FINER = 40, 4
+#: Waves around the rim that are compared, and steps of the speed in one of the lowest resolved: the
+#: shortest waves are in step with a mark within a fortieth of it.
+_WAVES, _FINER = 40, 32
 #: Least share of what changes on the rim that turns at one speed, and how many times as much as at
 #: any other speed.
 _SHARE, _CLEARER = 0.25, 2.0
@@ -30,6 +31,8 @@ _FASTEST, _SLOWEST = 0.25, 0.15
 _AHEAD = 0.02
 #: Parts of the video whose speeds are compared.
 _PARTS = 8
+#: Least weight of a frame, over that of the one in which the mark is seen best.
+_SEEN = 0.02
 
 
 def rim_of(colours: Colours, circle: DrumCircle) -> Array:
@@ -104,10 +107,13 @@ def _refined(waves: Waves, speed: float, interval: float) -> Response:
     for _ in range(3):
         still = waves * np.exp(1j * order * speed * times[:, None])
         pattern = still.mean(axis=0)
-        weight = float((order**2 * np.abs(pattern) ** 2).sum())
+        alike = still * np.conj(pattern)
+        # Where light or backdrop hide the mark, a frame tells nothing.
+        weight = (order**2 * np.real(alike)).sum(axis=1)
+        weight = np.maximum(weight, _SEEN * max(float(weight.max()), 1e-12))
         # A pattern ahead by a has the phase -m a.
-        ahead = -(order * np.imag(still * np.conj(pattern))).sum(axis=1) / max(weight, 1e-12)
-        slope, offset = np.polyfit(times, ahead, 1)
+        ahead = -(order * np.imag(alike)).sum(axis=1) / weight
+        slope, offset = np.polyfit(times, ahead, 1, w=np.sqrt(weight))
         speed += float(slope)
     rest = ahead - slope * times - offset
     parts = np.array_split(np.arange(frames), min(_PARTS, max(frames // 3, 2)))
