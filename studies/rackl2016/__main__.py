@@ -21,6 +21,8 @@ from studies.rackl2016.setting import make_solver
 from studies.rackl2016.tasks import Report, Results, Study, Task
 
 _console = Console(stderr=True)
+#: Its records of finished parts are in the repository.
+KEPT = Path(__file__).parent / "kept"
 #: Without a terminal, a line of progress after this many seconds.
 _LINE_SECONDS = 60.0
 
@@ -43,7 +45,7 @@ def main(
     ] = None,
     workdir: Annotated[
         Path, typer.Option(metavar="DIR", help="Where runs and results are kept.")
-    ] = Path("rackl2016.study"),
+    ] = KEPT,
     workers: Annotated[int, typer.Option(metavar="N", min=1, help="Runs at a time.")] = 2,
     only: Annotated[
         str, typer.Option(metavar="NAME", help="Only parts whose name begins so.")
