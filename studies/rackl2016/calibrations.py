@@ -42,7 +42,7 @@ def calibrate_with_grainfit(
     options = {} if design_runs is None else {"design_runs": design_runs}
 
     def show(progress: Progress) -> None:
-        context.report(progress.done, progress.done + progress.left, progress.stage)
+        context.report(progress.done, progress.done + progress.to_come.about, progress.stage)
 
     def start(max_runs: int | None) -> Result:
         result = calibrate(

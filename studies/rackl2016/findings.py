@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
 
-from grainfit.calibration.verification import Verified, mean_with_interval
+from grainfit.calibration.verification import mean_with_interval
+from grainfit.verdict.evidence import Verified
 from studies.rackl2016 import recovery
 from studies.rackl2016.clock import Cost
 from studies.rackl2016.plan import METHODS, all_tasks, task_name, truth_of
