@@ -78,7 +78,9 @@ def test_glass_beads_are_calibrated_with_few_runs(tmp_path: Path) -> None:
 
 @needs_liggghts
 def test_the_density_of_beads_in_a_packing_is_calibrated_on_liggghts(tmp_path: Path) -> None:
-    file = example(tmp_path, "calibration.toml", type='"packing"', solver='"liggghts"')
+    # A narrower container takes half the time; its wall loosens the bed by a percent.
+    small = '"liggghts"\\ncylinder_radius = "45 mm"'
+    file = example(tmp_path, "calibration.toml", type='"packing"', solver=small)
     text = file.read_text().replace("{ min = 0.449, max = 0.891 }", "0.67")
     heap_only = ("targets.angle", "plate_")
     file.write_text("".join(x for x in text.splitlines(True) if not x.startswith(heap_only)))
