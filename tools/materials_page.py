@@ -1,4 +1,4 @@
-"""Write the table of docs/starting_materials.md from the files of the materials.
+"""Write the tables of docs/starting_materials.md from the files of the materials.
 
 python tools/materials_page.py
 """
@@ -9,12 +9,18 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from grainfit.materials.from_published import sections_of
 from grainfit.materials.material_classes import material_classes
 from grainfit.materials.published_values import PublishedValue
-from grainfit.materials.starting_materials import materials_like
+from grainfit.materials.starting_materials import StartingMaterial, materials_like
+from grainfit.materials.starting_values import StartingValue
 
 PAGE = Path(__file__).parents[1] / "docs" / "starting_materials.md"
 _BEGIN, _END = "<!-- materials: written by tools/materials_page.py -->", "<!-- end -->"
+_BEGIN_OWN, _END_OWN = (
+    "<!-- own frictions: written by tools/materials_page.py -->",
+    "<!-- end of own frictions -->",
+)
 _COLUMNS = {
     "diameter": "diameter, mm",
     "bulk_density": "bulk density, kg/m³",
@@ -22,13 +28,26 @@ _COLUMNS = {
     "angle_of_repose": "angle of repose, °",
     "wall_friction": "friction on metal",
 }
+_OWN_COLUMNS = {
+    ("particle", "diameter"): "diameter",
+    ("particle", "density"): "density",
+    ("particle_particle", "sliding_friction"): "sliding friction",
+    ("particle_particle", "rolling_friction"): "rolling friction",
+    ("particle_particle", "restitution"): "restitution",
+    ("particle_wall", "sliding_friction"): "sliding friction on the wall",
+}
 
 
 def updated(page: str) -> str:
     """Return the page with the materials as their files have them now."""
-    lines = "\n".join(_lines())
-    pattern = f"{re.escape(_BEGIN)}.*{re.escape(_END)}"
-    return re.sub(pattern, lambda _: f"{_BEGIN}\n\n{lines}\n\n{_END}", page, flags=re.DOTALL)
+    page = _between(page, _BEGIN, _END, _lines())
+    return _between(page, _BEGIN_OWN, _END_OWN, _own_lines())
+
+
+def _between(page: str, begin: str, end: str, lines: Iterator[str]) -> str:
+    text = "\n".join((begin, "", *lines, "", end))
+    pattern = f"{re.escape(begin)}.*?{re.escape(end)}"
+    return re.sub(pattern, lambda _: text, page, flags=re.DOTALL)
 
 
 def _lines() -> Iterator[str]:
@@ -49,6 +68,26 @@ def _lines() -> Iterator[str]:
     yield ""
     for source, number in sources.items():
         yield f"- P{number}: {source}."
+
+
+def _own_lines() -> Iterator[str]:
+    head = ["material", *_OWN_COLUMNS.values()]
+    yield f"| {' | '.join(head)} |"
+    yield f"|{'---|' * len(head)}"
+    for material in filter(_has_own_frictions, materials_like()):
+        values = [material.sections[section][key] for section, key in _OWN_COLUMNS]
+        yield f"| `{material.name}` | {' | '.join(map(_own_cell, values))} |"
+
+
+def _has_own_frictions(material: StartingMaterial) -> bool:
+    usual = sections_of(material.published, material.material_class)
+    return material.sections["particle_particle"] != usual["particle_particle"]
+
+
+def _own_cell(given: StartingValue) -> str:
+    words = "{min} to {max}".format(**given.value) if given.is_free else f"{given.value}"
+    words = words.replace(" kg/m^3 to", " to").replace("^3", "³")
+    return f"*{words}*" if given.source.startswith("No source") else words
 
 
 def _cell(value: PublishedValue | None) -> str:

@@ -27,7 +27,6 @@ from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 from grainfit.units import to_unit
 
-PAGE = Path(__file__).parents[2] / "docs" / "starting_materials.md"
 ENERGY = "particle_particle.surface_energy"
 DENSITY = "particle_particle.cohesion_energy_density"
 #: Materials whose files have every parameter; those of the others follow from what is published.
@@ -282,22 +281,6 @@ def test_no_file_is_begun_for_a_test_that_the_program_cannot_simulate(
     monkeypatch.setattr(DEM_PROGRAMS["yade"], "missing", {"rotation": "it has no turning walls"})
     with pytest.raises(InputError, match=r"yade cannot simulate this drum test\..*turning walls"):
         starter_file(["heap", "drum"], None, "yade")
-
-
-@pytest.mark.parametrize("material", MATERIALS)
-def test_the_page_has_the_values_of_the_file(material: str) -> None:
-    sections = read_starting_material(material).sections
-    values = [
-        sections["particle"]["diameter"],
-        sections["particle"]["density"],
-        *(sections["particle_particle"][f"{kind}_friction"] for kind in ("sliding", "rolling")),
-        sections["particle_particle"]["restitution"],
-        sections["particle_wall"]["sliding_friction"],
-    ]
-    cells = (f"{v.value['min']} to {v.value['max']}" if v.is_free else str(v.value) for v in values)
-    row = f"| `{material}` | {' | '.join(cells)} |".replace(" kg/m^3", "")
-
-    assert row in PAGE.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", ["Iron ore fines", "iron-ore-fines", "iron_ore_fines"])
