@@ -73,6 +73,25 @@ def test_local_runs_here_and_needs_no_job(monkeypatch: pytest.MonkeyPatch) -> No
     assert "on this machine" in line
 
 
+@pytest.mark.parametrize(
+    ("options", "key", "words"),
+    [
+        ({"scheduler": "pbs"}, "nodes_per_run", "Slurm"),
+        ({"runs_per_job": 4}, "runs_per_job", "jobs"),
+        ({"cores_per_run": 1}, "cores_per_run", "nodes_per_run"),
+        ({"walltime": None, "parsl": "mine.py:config"}, "nodes_per_run", "Parsl"),
+    ],
+)
+def test_a_run_over_several_nodes_is_the_only_one_of_its_job(
+    options: dict[str, object], key: str, words: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        ClusterOptions(**{"walltime": 3600.0, "nodes_per_run": 2} | options)
+    [fault] = caught.value.faults
+    assert fault.key == key
+    assert words in str(fault)
+
+
 @pytest.mark.parametrize("setup", ["", "a\nb", "a\rb", "a\u2028b"])
 def test_a_line_of_the_setup_is_one_line(setup: str) -> None:
     with pytest.raises(InputError, match="setup"):

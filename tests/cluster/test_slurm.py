@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -424,8 +425,17 @@ def designed(result: Result) -> dict[tuple[object, ...], object]:
     return {(*run.parameters.values(), run.seed): run.responses for run in runs}
 
 
+def order(solver: Solver, folder: Path) -> RunTask:
+    (folder / "runs").mkdir(parents=True, exist_ok=True)
+    record = RunRecord(solver.name, "packing", "running", solver.definition({}, 1))
+    return RunTask(record, solver, {}, 1, folder)
+
+
 @pytest.mark.thorough
-def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:
+@pytest.mark.parametrize("nodes", [1, 2])
+def test_runs_of_several_ranks_are_the_same_in_a_job(
+    slurm: Path, tmp_path: Path, nodes: int
+) -> None:
     # Ranks that wait for each other keep the cores busy: a few hundred particles are enough.
     bed = Packing(diameter=0.01, cylinder_radius=0.04, fill_height=0.07)
     solvers: list[Solver] = [Lammps(bed, GLASS_BEADS, ranks=2)]
@@ -433,17 +443,21 @@ def test_runs_of_several_ranks_are_the_same_in_a_job(tmp_path: Path) -> None:
         solvers.append(Liggghts(bed, GLASS_BEADS, ranks=2))
     here, there = tmp_path / "here", tmp_path / "there"
 
-    def order(solver: Solver, folder: Path) -> RunTask:
-        (folder / "runs").mkdir(parents=True, exist_ok=True)
-        record = RunRecord(solver.name, "packing", "running", solver.definition({}, 1))
-        return RunTask(record, solver, {}, 1, folder)
+    def ranks_started() -> list[int]:
+        """How often MPI's launcher had each node start ranks."""
+        logs = [(slurm / f"node{n}.log").read_text(encoding="utf-8") for n in (1, 2)]
+        return [len(re.findall(r"launch task StepId=\d+\.\d+ request", log)) for log in logs]
 
-    with cluster_executor(replace(ONE_JOB, cores_per_run=2), there) as executor:
+    before = ranks_started()
+    options = replace(ONE_JOB, cores_per_run=2, nodes_per_run=nodes)
+    with cluster_executor(options, there) as executor:
         futures = [executor.submit(execute, order(solver, there)) for solver in solvers]
         alone = [execute(order(solver, here)) for solver in solvers]
         in_job = [future.result(120) for future in futures]
     assert [record.reason for record in alone + in_job] == [""] * 2 * len(solvers)
     assert [record.responses for record in in_job] == [record.responses for record in alone]
+    started = [now - then for now, then in zip(ranks_started(), before, strict=True)]
+    assert started == ([len(solvers)] * 2 if nodes == 2 else [0, 0])
 
 
 def test_jobs_that_cannot_start_end_the_calibration_with_the_reason(

@@ -129,6 +129,12 @@ NOT_ONE_LINE = Message("{given!r} is not one line.", "Write a list, line by line
 NO_DIRECTIVE = Message(
     "{given!r} is no directive of the scheduler.", "Write it like {example!r}, or set scheduler."
 )
+OF_SLURM = Message(
+    "works with Slurm alone.",
+    'Remove it, or write a Parsl configuration: parsl = "my_parsl.py:config".',
+)
+ONE_RUN = Message("is {given}.", "With nodes_per_run = {nodes} a job has one run: set jobs instead.")
+IDLE_NODES = Message("is {given}, fewer than the {nodes} nodes of a run.", "Lower nodes_per_run.")
 OF_GRID_ENGINE = Message("is of Grid Engine alone.", 'Remove it, or set scheduler = "sge".')
 HAS_A_KEY = Message("{given!r} has a key of its own.", "Use {key}.")
 DECIDED = Message("{given!r} is for grainfit to decide.", "Remove it.")

@@ -38,10 +38,10 @@ def describe_cluster(options: ClusterOptions) -> list[str]:
     if options.scheduler == "local":
         return [f"Cluster: {messages.RUNS_HERE()}"]
     assert options.walltime is not None, "options without it are refused"
-    cores = options.runs_per_job * (options.cores_per_run or 1)
+    nodes = "one node" if options.nodes_per_run == 1 else f"{options.nodes_per_run} nodes"
     lines = [
         f"{workers} in up to {options.jobs} jobs of {options.scheduler}, each with "
-        f"{options.runs_per_job} runs on {cores} cores of one node for at most "
+        f"{options.runs_per_job} runs on {options.cores} cores of {nodes} for at most "
         f"{options.walltime // 60:.0f} min; partition {options.partition or '(default)'}, account "
         f"{options.account or '(default)'}{''.join(f', {option}' for option in options.options)}."
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -62,6 +63,12 @@ class ClusterOptions:
         example="4",
         default_text="the ranks of the tests",
     )
+    nodes_per_run: int = option(
+        _COUNT,
+        "Nodes over which the MPI ranks of a run spread, of Slurm alone. A job then has one run.",
+        example="2",
+        default=1,
+    )
     setup: tuple[str, ...] = option(
         ListOf(Text()),
         "Shell lines that a job executes first.",
@@ -99,6 +106,16 @@ class ClusterOptions:
         """Largest number of runs at a time."""
         return self.jobs * self.runs_per_job
 
+    @property
+    def cores(self) -> int:
+        """Cores of a job."""
+        return self.runs_per_job * (self.cores_per_run or 1)
+
+    @property
+    def tasks_per_node(self) -> int:
+        """MPI ranks of a run on each of its nodes."""
+        return math.ceil(self.cores / self.nodes_per_run)
+
     def _faults(self) -> Iterator[Fault]:
         if self.scheduler not in SCHEDULERS:
             known = ", ".join(SCHEDULERS)
@@ -110,15 +127,27 @@ class ClusterOptions:
         yield from self._faults_with_own_parsl() if self.parsl else self._faults_of_jobs()
 
     def _faults_of_counts(self) -> Iterator[Fault]:
-        for key in ("jobs", "runs_per_job", "cores_per_run"):
+        for key in ("jobs", "runs_per_job", "cores_per_run", "nodes_per_run"):
             count = getattr(self, key)
             if count is not None and count < 1:
                 yield messages.BELOW_ONE.fault(key, given=count)
+        if self.nodes_per_run > 1:
+            yield from self._faults_of_nodes(self.nodes_per_run)
+
+    def _faults_of_nodes(self, nodes: int) -> Iterator[Fault]:
+        if self.scheduler != "slurm" and not self.parsl:
+            yield messages.OF_SLURM.fault("nodes_per_run")
+        if self.runs_per_job > 1 and not self.parsl:
+            yield messages.ONE_RUN.fault("runs_per_job", given=self.runs_per_job, nodes=nodes)
+        if self.cores_per_run is not None and self.cores_per_run < nodes:
+            yield messages.IDLE_NODES.fault("cores_per_run", given=self.cores_per_run, nodes=nodes)
 
     def _faults_with_own_parsl(self) -> Iterator[Fault]:
         for key in ("partition", "account", "walltime", "setup", "options"):
             if getattr(self, key):
                 yield messages.BESIDE_PARSL.fault(key)
+        if self.nodes_per_run > 1:
+            yield messages.BESIDE_PARSL.fault("nodes_per_run")
 
     def _faults_of_jobs(self) -> Iterator[Fault]:
         for key in ("partition", "account", "parallel_environment"):

@@ -29,6 +29,7 @@ from parsl.executors.high_throughput.executor import (
     DEFAULT_LAUNCH_CMD,
 )
 from parsl.executors.status_handling import BlockProviderExecutor
+from parsl.launchers import SimpleLauncher
 from parsl.logconfigs.file import FileLogging
 
 from grainfit.campaign import messages
@@ -38,6 +39,7 @@ from grainfit.campaign.cluster.slurm import GiveUp, Slurm
 from grainfit.campaign.pending import ClusterJob
 from grainfit.errors import ExecutorError, GrainfitError
 from grainfit.options.python_file import PythonFile
+from grainfit.solvers.process.process import OVER_NODES
 
 _Arguments = ParamSpec("_Arguments")
 _Result = TypeVar("_Result")
@@ -74,7 +76,7 @@ def _provider(options: ClusterOptions) -> Followed:
     """Return what submits the jobs; a lost one is replaced here, and must not be requeued."""
     assert options.walltime is not None, "options without it are refused"
     minutes = int(options.walltime // 60)
-    cores = options.runs_per_job * (options.cores_per_run or 1)
+    cores = options.cores
     given: dict[str, Any] = {
         "walltime": f"{minutes // 60:02d}:{minutes % 60:02d}:00",
         "init_blocks": 0,
@@ -111,12 +113,20 @@ def _provider(options: ClusterOptions) -> Followed:
                 scheduler_options=_directives("#BSUB", ["-rn", *options.options]),
                 **given,
             )
+    wanted = ["--no-requeue"]
+    if options.nodes_per_run > 1:
+        # The launcher of MPI starts as many ranks on a node as the job has tasks there; the worker
+        # is on the first one.
+        wanted += [f"--ntasks-per-node={options.tasks_per_node}", "--cpus-per-task=1"]
+        lines = (f"export PARSL_CORES={cores}", f"export {OVER_NODES}=1", *options.setup)
+        given |= {"worker_init": "\n".join(lines), "launcher": SimpleLauncher()}
     return Slurm(
         partition=queue,
         account=account,
-        cores_per_node=cores,
+        nodes_per_block=options.nodes_per_run,
+        cores_per_node=cores if options.nodes_per_run == 1 else None,
         exclusive=False,
-        scheduler_options=_directives("#SBATCH", ["--no-requeue", *options.options]),
+        scheduler_options=_directives("#SBATCH", [*wanted, *options.options]),
         **given,
     )
 

@@ -29,10 +29,11 @@ LOG_NAME = "solver.log"
 _POLL_SECONDS = 0.02
 #: Interval at which the existence of the folder is checked.
 _WATCH_SECONDS = 0.5
-_ENVIRONMENT = {
-    "OMP_NUM_THREADS": "1",
-    # Within a job of a cluster, mpiexec of MPICH, Intel MPI and Open MPI would let the scheduler
-    # start the ranks, as many as the job has tasks; a run must stay on its machine.
+#: Set in a job of a cluster whose run takes all nodes of the job.
+OVER_NODES = "GRAINFIT_OVER_NODES"
+#: Within a job of a cluster, mpiexec of MPICH, Intel MPI and Open MPI would let the scheduler start
+#: the ranks, as many as the job has tasks. With these a run stays on its machine.
+_ON_ONE_NODE = {
     "HYDRA_LAUNCHER": "fork",
     "HYDRA_RMK": "user",
     "I_MPI_HYDRA_BOOTSTRAP": "fork",
@@ -75,7 +76,7 @@ def run_process(
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                env={**os.environ, **_ENVIRONMENT, MARK: mark, **(environment or {})},
+                env={**_environment(), MARK: mark, **(environment or {})},
                 **platforms.apart(),
             )
         # ValueError: an argument that no program can be given, such as one with a zero byte.
@@ -102,6 +103,12 @@ def run_process(
     if stopped is not None:
         raise RunFailedError(stopped.reason, last_lines(text), stopped.kind)
     return watch.look()
+
+
+def _environment() -> dict[str, str]:
+    """Return the environment of a program, whose ranks have one thread each."""
+    nodes = {} if os.environ.get(OVER_NODES) else _ON_ONE_NODE
+    return {**os.environ, "OMP_NUM_THREADS": "1", **nodes}
 
 
 @contextmanager
