@@ -26,10 +26,12 @@ from grainfit.measurement.dynamic_angles import DynamicAngles
 from grainfit.photographs import messages
 from grainfit.photographs.drum import (
     DrumSize,
+    DrumStill,
     PhotographedBed,
     _level_of,
     _unsure,
     measure_still,
+    measure_stills,
 )
 from grainfit.photographs.drum_circle import DrumCircle
 from grainfit.photographs.drum_surface import (
@@ -435,3 +437,42 @@ def test_a_mark_that_is_seen_on_a_part_of_its_way_tells_the_speed() -> None:
 
     assert found is not None
     assert found.value == pytest.approx(0.3142 / 0.5, rel=0.005)
+
+
+def test_a_reflection_that_is_taken_for_a_part_of_the_bed_is_refused() -> None:
+    # It was as bright as the bed: the lower angle was wrong by 20 degrees without a word.
+    swing = 0.03 * np.sin(np.arange(8))[:, None] * places()
+    spot = np.maximum(np.sqrt(np.maximum(0.15**2 - (places() + 0.6) ** 2, 0.0)) - 0.05, 0.0)
+
+    def stills(bulge: NDArray[np.float64] | float) -> list[DrumStill]:
+        circle, black = DrumCircle((50.0, 50.0), 40.0, 40.0, 0.0), np.zeros((100, 100, 3), np.uint8)
+        return [
+            DrumStill(Path(), black, circle, 0.0, False, 35.0, np.tile(row, (3, 1)))
+            for row in _profile() + bulge + swing
+        ]
+
+    measure_stills(stills(0.0), DrumSize())
+    with pytest.raises(gf.NotMeasurableError) as error:
+        measure_stills(stills(spot), DrumSize())
+    assert messages.UNEVEN_SURFACE.is_in(str(error.value))
+
+
+@pytest.mark.parametrize("alike", [0.0, 0.3])
+def test_a_drum_that_has_colours_of_the_bed_is_refused(alike: float) -> None:
+    # Three in ten particles look like the empty drum.
+    rng = np.random.default_rng(3)
+    row, column = np.mgrid[:240, :240] - 119.5
+    frames = []
+    for _ in range(3):
+        grains = np.where(rng.random((30, 30)) < alike, 180, 90).repeat(8, 0).repeat(8, 1)
+        frame = np.where(row - 0.1 * column > 10, grains, 180) + rng.normal(0, 3, row.shape)
+        frame[np.hypot(row, column) > 100] = 40
+        frames.append(np.repeat(frame.astype(np.uint8)[..., None], 3, axis=2))
+    circle = DrumCircle((119.5, 119.5), 100.0, 100.0, 0.0)
+
+    if not alike:
+        learn_colours(frames, circle)
+        return
+    with pytest.raises(gf.NotMeasurableError) as error:
+        learn_colours(frames, circle)
+    assert messages.BED_LIKE_DRUM.is_in(str(error.value))

@@ -31,6 +31,7 @@ from grainfit.photographs.drum_surface import (
     inclination_of,
     learn_colours,
     places,
+    unevenness,
     without_perspective,
 )
 from grainfit.photographs.marker import find_marker_sheet
@@ -63,6 +64,9 @@ _HIGHEST: Mapping[str, tuple[float, float]] = {
 _PERSPECTIVE = 0.5
 #: Share of the radius to both sides of the middle in which the roughness is taken.
 _ROUGH = 0.6
+#: Farthest that the mean surface may be from a smooth one, in radii, and in roughnesses of the
+#: outline over the root of the number of frames if these are more.
+_UNEVEN, _PARTICLES = 0.08, 8.0
 #: A bed whose inclination scatters by less, degrees, stands still.
 _STILL = 0.03
 #: Steepest bed, degrees.
@@ -229,6 +233,7 @@ def measure_video(video: Video, size: DrumSize) -> DrumSeries:
     level, by_sheet = _level_of(some[0], circle, None)
     beds, rises_right = _beds(known.inclination - level, np.array(heights), size)
     _require_turning(beds[0], speed)
+    _require_smooth(beds[0])
     found = [DynamicAngles(bed) for bed in beds]
     try:
         responses = _corrected(found[0])
@@ -312,6 +317,7 @@ def measure_stills(stills: Sequence[DrumStill], size: DrumSize) -> DrumSeries:
     heights = np.array([_turned(still, turn) for still in stills])
     beds, rises_right = _beds(turn, heights, size)
     _require_turning(beds[0], None)
+    _require_smooth(beds[0])
     found = [StillAngles(bed) for bed in beds]
     first = stills[0]
     return DrumSeries(
@@ -406,6 +412,13 @@ def _require_turning(bed: PhotographedBed, speed: Response | None) -> None:
         raise NotMeasurableError(messages.TURNS_OVER(angle=bed.turn))
     if speed is None and float(bed.inclinations.std()) < _STILL:
         raise NotMeasurableError(messages.STILL_DRUM())
+
+
+def _require_smooth(bed: PhotographedBed) -> None:
+    particles = _PARTICLES * bed.roughness / math.sqrt(len(bed.heights))
+    found, most = unevenness(bed.heights), max(_UNEVEN, particles)
+    if found > most:
+        raise NotMeasurableError(messages.UNEVEN_SURFACE(share=100 * found, most=100 * most))
 
 
 def _corrected(found: DynamicAngles[PhotographedBed]) -> dict[str, Response]:

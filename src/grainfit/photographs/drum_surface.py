@@ -44,6 +44,12 @@ _RING, _LIKE_WITHIN = (0.9, 0.95), 0.2
 _REACHES, _RING_WIDTH, _HALF = (0.97, 0.7, -0.01), 0.008, 0.5
 #: Most of what is above the surface that may look like the bed.
 _SPECKS = 0.15
+#: Most of what is below the surface, this far within the circle of the drum or of its rim, that may
+#: look like the empty drum.
+_HOLES, _WITHIN_RIM = 0.05, 0.85
+#: Share of the radius to both sides of the middle in which the surface is smooth, the length over
+#: which its particles are averaged, places, and the steps of the fit and its smallest distance.
+_SMOOTH, _AVERAGED, _FITS, _CLOSE = 0.85, 11, 20, 0.005
 #: Ends of the surface at which no height is measured, in radii from the middle, and its distance
 #: from the edge of what is looked at.
 _ENDS, _BESIDE = 0.93, 0.02
@@ -325,6 +331,28 @@ def inclination_of(heights: Array) -> Array:
     return found
 
 
+def unevenness(heights: Array) -> float:
+    """Return how far a surface jumps or bulges from a smooth one, in radii.
+
+    The smooth one is the cubic with the least sum of distances: a part of the surface that is
+    elsewhere does not draw it there.
+
+    Parameters
+    ----------
+    heights : ndarray of shape (frames, n)
+        Of the surface at `places`, in radii.
+    """
+    inner = np.abs(places()) < _SMOOTH
+    mean = np.median(heights, axis=0)[inner]
+    cubic = np.vander(places()[inner], 4)
+    weights = np.ones(len(mean))
+    for _ in range(_FITS):
+        fitted = np.linalg.lstsq(cubic * weights[:, None], mean * weights, rcond=None)[0]
+        rest = mean - cubic @ fitted
+        weights = 1 / np.sqrt(np.maximum(np.abs(rest), _CLOSE))
+    return float(np.abs(ndimage.uniform_filter1d(rest, _AVERAGED)).max())
+
+
 def fill_level_of(heights: Array) -> float:
     """Return the share of the drum that is below a surface."""
     x = places()
@@ -336,7 +364,8 @@ def _require_surface(known: BedColours, frames: Sequence[Colours], circle: DrumC
     """Raise `NotMeasurableError` unless what is below the surface differs from what is above."""
     rows = ((_SIZE - 1) / 2 - np.arange(_SIZE))[:, None] / RADIUS
     inside = _disc(RADIUS, _SIZE)
-    steps, specks = [], []
+    deep = inside & (np.hypot(rows, places()) < _WITHIN_RIM)
+    steps, specks, holes = [], [], []
     for frame in frames:
         likely = known.likely(frame, circle)
         above = rows - _heights(likely)
@@ -347,9 +376,13 @@ def _require_surface(known: BedColours, frames: Sequence[Colours], circle: DrumC
             raise NotMeasurableError(messages.NO_SURFACE())
         steps.append(float(likely[under].mean() - likely[near].mean()))
         specks.append(float((likely[over] > 0).mean()))
+        holes.append(float((likely[deep & (above < -0.02)] < 0).mean()))
     if np.median(steps) < _CONTRAST:
         shown = messages.SURFACE_WITHOUT_CONTRAST(found=np.median(steps), needed=_CONTRAST)
         raise NotMeasurableError(shown)
     if np.median(specks) > _SPECKS:
         share = 100 * float(np.median(specks))
         raise NotMeasurableError(messages.DIRTY_DRUM(share=share, most=100 * _SPECKS))
+    if np.median(holes) > _HOLES:
+        share = 100 * float(np.median(holes))
+        raise NotMeasurableError(messages.BED_LIKE_DRUM(share=share, most=100 * _HOLES))

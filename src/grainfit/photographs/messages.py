@@ -146,6 +146,15 @@ DIRTY_DRUM = Message(
     "particles stick to the glass or are thrown, or the drum is lit badly.",
     "Clean the glass, earth the drum, or turn it more slowly.",
 )
+BED_LIKE_DRUM = Message(
+    "{share:.0f} % of the bed has the colours of the empty drum, and {most:g} % are allowed.",
+    "Put something plain and of another brightness behind the drum.",
+)
+UNEVEN_SURFACE = Message(
+    "the surface jumps or bulges by {share:.0f} % of the radius, and {most:.0f} % are allowed: "
+    "something that is no part of the bed has its colours, such as a reflection.",
+    "Avoid reflections, and put something plain and of another brightness behind the drum.",
+)
 CAMERA_MOVES = Message(
     "the camera moves: from the first to the last frame the drum is elsewhere.",
     "Put the camera on a stand.",
