@@ -43,11 +43,13 @@ class _Adhesive(LammpsKeywords):
 
 STICKY = ContactModel(
     "sticky",
+    "sticky",
     "cohesion",
     declare(CONTACTS, "surface_energy", "γ", "J/m^2", "surface energy", LIMITS, default=0.0),
     (_Adhesive(),),
 )
 DAMP = ContactModel(
+    "damp",
     "damp",
     "cohesion",
     declare(CONTACTS, "cohesion", "c", "J/m^3", "cohesion", LIMITS, default=0.0),

@@ -59,7 +59,7 @@ def test_a_customer_gets_values_tests_forecast_and_hashes(
     for name, interval in result.intervals.items():
         assert rounded(result.parameters[name], (interval.high - interval.low) / 2) in first
         assert interval.determination in first
-    assert "hertz_mindlin" in first
+    assert "Hertz-Mindlin contact, EPSD rolling friction" in first
     for response in result.responses.values():
         assert plain_interval(response.target, response.tolerance) in second
     assert "of the Rayleigh time step" in second

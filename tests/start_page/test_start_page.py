@@ -187,6 +187,7 @@ def test_a_prediction_is_verified_at_full_size_once(server: StartServer) -> None
     server.work_folder.mkdir()
     (server.work_folder / "result.json").write_text('{"status": "predicted"}')
     assert server.state()["run"]["state"] == "predicted"
+    assert server.state()["run"]["ended"] == "predicted, full size pending"
     server.start_run("--full-size")
     assert server._run is not None
     process = server._run._process

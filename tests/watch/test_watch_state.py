@@ -108,7 +108,7 @@ def test_failures_are_shown_with_reason_the_latest_first(tmp_path: Path) -> None
 def test_a_finished_calibration_shows_its_verdict_and_intervals(tmp_path: Path) -> None:
     with campaigns.campaign("one_parameter", tmp_path):
         found = state(tmp_path)
-    assert found["state"] == "calibrated"
+    assert found["state"] == found["title"] == "calibrated"
     assert found["verdict"]["grade"] == "good"
     assert not found["provisional"]
     assert found["parameters"][0]["interval"]

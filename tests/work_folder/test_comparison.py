@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,12 @@ def test_comparison_of_one_material_agrees_and_of_two_differs(
         assert rows([first, wet], number)[name][-1] == "differ"
     shown = rows(three, 0)["friction"]
     assert [cell.split()[0][:3] for cell in shown[:3]] == ["0.5", "0.5", "0.7"]
+
+
+def test_comparison_names_states_as_the_report_does(three: list[SavedCalibration]) -> None:
+    missed = replace(three[2], name="wet", state="unreachable")
+    first = compare([three[0], missed]).parts()[1]
+    assert first == "wet 'sand': wet, out of reach"
 
 
 def test_comparison_says_that_a_calibration_has_no_answer_yet(

@@ -17,6 +17,7 @@ from grainfit.cli import messages
 from grainfit.errors import GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Curve, Measured, curves, scalars
 from grainfit.formatting import assigned, duration, in_unit, plain, unit_for_people, with_unit
+from grainfit.verdict.messages import state_name
 
 if TYPE_CHECKING:
     from grainfit.analysis.scatter import RepeatedRuns
@@ -204,7 +205,7 @@ def _execution_heading(plan: Plan) -> str:
 
 def print_status(console: Console, status: WorkdirStatus) -> None:
     """Print the progress of the calibration in a work folder."""
-    console.print(_text(f"{status.name or 'no calibration'}: {status.state}", "bold"))
+    console.print(_text(f"{status.name or 'no calibration'}: {state_name(status.state)}", "bold"))
     if status.failure:
         console.print(_text(f"stopped by: {status.failure}", "red"), soft_wrap=True)
     for stage, asked in status.asked.items():

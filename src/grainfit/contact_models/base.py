@@ -93,6 +93,8 @@ class ContactModel:
     ----------
     name : str
         Name of its folder.
+    title : str
+        Its name for people.
     kind : {"contact", "cohesion", "rolling"}
         One model of each kind acts at a time.
     parameters : tuple of MaterialParameter
@@ -122,6 +124,7 @@ class ContactModel:
     __repr__ = one_line
 
     name: str
+    title: str
     kind: Kind
     parameters: tuple[MaterialParameter, ...]
     keywords: tuple[SolverKeywords, ...]
@@ -155,6 +158,8 @@ class ContactModel:
     def missing(self) -> Iterator[str]:
         """Iterate over what it lacks to be used."""
         names = [parameter.name for parameter in self.parameters]
+        if not self.title:
+            yield "title is missing"
         if self.kind not in KINDS:
             yield f"its kind {self.kind!r} is none of {', '.join(KINDS)}"
         if not names:

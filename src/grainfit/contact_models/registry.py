@@ -41,6 +41,18 @@ for _model in CONTACT_MODELS:
 _FIRST_KEYS = ("sliding_friction", "rolling_friction", "restitution", "rolling_damping")
 
 
+def model_titles(names: Iterable[str]) -> list[str]:
+    """Return the names of contact models for people.
+
+    Examples
+    --------
+    >>> model_titles(["hertz_mindlin", "epsd"])
+    ['Hertz-Mindlin contact', 'EPSD rolling friction']
+    """
+    titles = {model.name: model.title for model in CONTACT_MODELS}
+    return [titles.get(name, name) for name in names]
+
+
 def material_parameters(models: Iterable[ContactModel]) -> dict[str, MaterialParameter]:
     """Return the parameters of bodies and contact models, in the order of the calibration file."""
     declared = [*BODY_PARAMETERS, *(p for model in models for p in model.parameters)]

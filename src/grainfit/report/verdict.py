@@ -19,6 +19,7 @@ from grainfit.report import verdict_messages as messages
 from grainfit.report.rows import deviation
 from grainfit.report.section import ReportContext
 from grainfit.result import ResponseResult, Result
+from grainfit.verdict.messages import state_name
 from grainfit.verdict.reasons import Deterministic, FullSizeMade
 
 
@@ -58,7 +59,8 @@ def shown_verdict(context: ReportContext) -> ShownVerdict:
             return ShownVerdict("warn", line(), (words, *_determinations(context)))
     if not context.answer:
         words = plain(reading.result_fault) or messages.RESULT_MISSING()
-        return ShownVerdict("warn", messages.NO_ANSWER(state=plain(reading.state)), (words,))
+        unread = messages.NO_ANSWER(state=plain(state_name(reading.state)))
+        return ShownVerdict("warn", unread, (words,))
     return _final_verdict(context)
 
 

@@ -356,14 +356,6 @@
 
   // --- The calibration ----------------------------------------------------------------------------
 
-  const ENDED = {
-    calibrated: "calibrated",
-    predicted: "predicted from smaller apparatus, and not verified at full size",
-    undecided: "undecided",
-    out_of_tolerance: "out of tolerance",
-    unreachable: "a target is out of reach",
-    interrupted: "interrupted",
-  };
   const follow = () => {
     at("full-size").hidden = !(state.run && state.run.state === "predicted");
     const run = state.run || {};
@@ -375,7 +367,7 @@
       })));
     }
     if (run.started && run.code !== null) {
-      const ended = ENDED[run.state] || `exit code ${run.code}`;
+      const ended = run.ended || `exit code ${run.code}`;
       shown.push(element("p", { textContent: `It has ended: ${ended}. Its page leads to the report.` }));
       const pre = element("pre", { textContent: run.said, tabIndex: 0 });
       pre.setAttribute("role", "region");

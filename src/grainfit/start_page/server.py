@@ -30,6 +30,7 @@ from grainfit.start_page.page import start_page
 from grainfit.start_page.run_process import RunProcess
 from grainfit.start_page.uploads import LONGEST, Upload
 from grainfit.tables import TextTable
+from grainfit.verdict.messages import state_name
 from grainfit.watch.server import WatchServer
 
 State = dict[str, Any]
@@ -231,13 +232,15 @@ class StartServer(LocalServer):
             if self._watch is None and (self._run is not None or (folder / STORE_NAME).exists()):
                 self._watch = WatchServer(folder, listen(0))
                 self._watch.serve()
+        state = "" if self.is_running else state_of(folder)
         return {
             "watch": self._watch.address if self._watch else "",
             "folder": str(folder),
             "started": self._run is not None,
             "code": self._run.code if self._run else None,
             "said": self._run.tail() if self._run and self._run.code is not None else "",
-            "state": "" if self.is_running else state_of(folder),
+            "state": state,
+            "ended": state_name(state),
             "offers": {} if self.is_running else offers(folder),
         }
 

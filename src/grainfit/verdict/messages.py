@@ -2,15 +2,38 @@
 
 from grainfit.messages import Message
 
-#: The status in words.
+#: Names of the ends of a calibration for people.
+END_NAMES = {
+    "calibrated": "calibrated",
+    "predicted": "predicted, full size pending",
+    "undecided": "undecided",
+    "out_of_tolerance": "out of tolerance",
+    "unreachable": "out of reach",
+}
+#: The status in words: its name, and what it means.
 STATUS_WORDS = {
-    "calibrated": "calibrated: every target is met within its tolerance",
-    "predicted": "predicted, full size pending: by smaller apparatus alone",
-    "undecided": "undecided: the runs do not tell whether every target is met",
-    "out_of_tolerance": "out of tolerance: no parameter set was found that meets every target",
-    "unreachable": "out of reach within the given intervals",
+    "calibrated": f"{END_NAMES['calibrated']}: every target is met within its tolerance",
+    "predicted": f"{END_NAMES['predicted']}: by smaller apparatus alone",
+    "undecided": f"{END_NAMES['undecided']}: the runs do not tell whether every target is met",
+    "out_of_tolerance": (
+        f"{END_NAMES['out_of_tolerance']}: no parameter set was found that meets every target"
+    ),
+    "unreachable": f"{END_NAMES['unreachable']} within the given intervals",
     "interrupted": "interrupted: start it again to continue",
 }
+
+
+def state_name(state: str) -> str:
+    """Return the name of a state of a calibration, of its end or before it, for people.
+
+    Examples
+    --------
+    >>> state_name("unreachable"), state_name("running")
+    ('out of reach', 'running')
+    """
+    return END_NAMES.get(state, state)
+
+
 ALL_MET = Message("Probability that every target is met, by all runs: {probability}.")
 
 # Reasons.

@@ -362,7 +362,7 @@
     ended = state.ended;
     at("name").textContent = state.name;
     at("folder").textContent = `${state.folder}.`;
-    document.title = `${TITLES[state.state] ?? state.state}: ${state.name} – grainfit`;
+    document.title = `${state.verdict.mark} ${state.title}: ${state.name} – grainfit`;
     showVerdict(state);
     showFailures(state);
     showResponses(state);
@@ -373,10 +373,6 @@
     showDrawings(state);
     showStop(state);
     showConnection(state);
-  };
-  const TITLES = {
-    calibrated: "✓ calibrated", predicted: "! full size pending", out_of_tolerance: "✗ out of tolerance",
-    unreachable: "✗ out of reach", failed: "✗ failed", running: "… running",
   };
 
   let report = null;

@@ -21,6 +21,7 @@ from grainfit.report.page import REPORT_NAME
 from grainfit.report.section import ReportContext
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result
+from grainfit.verdict.messages import state_name
 from grainfit.verdict.reasons import Deterministic
 from grainfit.watch.rows import (
     MOST_ROWS,
@@ -130,6 +131,7 @@ def state_of(
         "name": plain(saved.name) or plain(saved.folder.absolute().name),
         "folder": plain(str(saved.folder)),
         "state": saved.state,
+        "title": state_name(saved.state),
         "started": reading.live.started if reading.live else saved.started,
         "verdict": _verdict(reading, so_far, estimate),
         "progress": _progress(reading, failed),
@@ -153,10 +155,12 @@ def _without_calibration(reading: Reading) -> dict[str, Any]:
         line = messages.UNREADABLE
     details = [plain(reading.fault)] if reading.fault else []
     grade = "bad" if reading.fault else "warn"
+    state = "unreadable" if reading.fault else "not started"
     return {
         "name": plain(reading.folder.absolute().name),
         "folder": plain(str(reading.folder)),
-        "state": "unreadable" if reading.fault else "not started",
+        "state": state,
+        "title": state,
         "started": None,
         "verdict": {"grade": grade, "mark": "!", "line": line(), "details": details},
         "progress": None,

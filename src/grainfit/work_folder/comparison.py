@@ -18,6 +18,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.tables import TextTable
+from grainfit.verdict.messages import state_name
 from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -103,7 +104,7 @@ class Comparison:
     names : tuple of str
         Names of their folders.
     titles, states : tuple of str
-        Their names and their verdicts.
+        Their names and their states, as in result.json.
     parameters, responses : tuple of ComparedRow
         All free parameters, the fixed ones that are not the same, and all responses.
     circumstances : mapping of str to tuple of str
@@ -124,7 +125,7 @@ class Comparison:
         """Return sentences and tables."""
         told = zip(self.names, self.titles, self.states, strict=True)
         return [
-            *(f"{name}: {title}, {state}" for name, title, state in told),
+            *(f"{name}: {title}, {state_name(state)}" for name, title, state in told),
             TextTable(
                 ("parameter", *self.names, ""),
                 tuple(row.shown for row in self.parameters),
@@ -170,7 +171,8 @@ def compare(saved: Sequence[SavedCalibration]) -> Comparison:
         raise InputError(messages.ONE_CALIBRATION.fault(""))
     for one in saved:
         if one.result is None or not one.result.parameters:
-            fault = messages.NO_ANSWER_TO_COMPARE.fault("", folder=str(one.folder), state=one.state)
+            state = state_name(one.state)
+            fault = messages.NO_ANSWER_TO_COMPARE.fault("", folder=str(one.folder), state=state)
             raise InputError(fault)
     return Comparison(
         _names(saved),

@@ -9,6 +9,7 @@ from grainfit.materials.equations import Equation
 
 DMT = ContactModel(
     name="dmt",
+    title="DMT adhesion",
     kind="cohesion",
     parameters=SURFACE_ENERGY,
     keywords=(DmtLammps(), DmtYade()),

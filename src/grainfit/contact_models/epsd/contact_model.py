@@ -49,6 +49,7 @@ _EQUATIONS = (
 
 EPSD = ContactModel(
     name="epsd",
+    title="EPSD rolling friction",
     kind="rolling",
     parameters=(
         *ROLLING_FRICTION,

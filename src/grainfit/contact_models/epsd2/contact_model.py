@@ -9,6 +9,7 @@ from grainfit.materials.equations import Equation
 
 EPSD2 = ContactModel(
     name="epsd2",
+    title="EPSD2 rolling friction",
     kind="rolling",
     parameters=ROLLING_FRICTION,
     keywords=(Epsd2Lammps(), EPSD2_LIGGGHTS, Epsd2Yade()),

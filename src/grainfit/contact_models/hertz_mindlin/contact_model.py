@@ -46,6 +46,7 @@ _CONVENTIONS = (
 
 HERTZ_MINDLIN = ContactModel(
     name="hertz_mindlin",
+    title="Hertz-Mindlin contact",
     kind="contact",
     parameters=(
         *declare(

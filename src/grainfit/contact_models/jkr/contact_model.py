@@ -27,6 +27,7 @@ GAMMA = Convention(
 
 JKR = ContactModel(
     name="jkr",
+    title="JKR adhesion",
     kind="cohesion",
     parameters=SURFACE_ENERGY,
     keywords=(JkrLammps(),),

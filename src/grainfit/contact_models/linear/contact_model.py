@@ -29,6 +29,7 @@ _STIFFNESS_LIMITS = (0.0, 1e12)
 
 LINEAR = ContactModel(
     name="linear",
+    title="linear springs and dashpots",
     kind="contact",
     parameters=(
         *HERTZ_MINDLIN.parameters,

@@ -32,6 +32,7 @@ ATTRACTION = (
 
 SJKR = ContactModel(
     name="sjkr",
+    title="SJKR cohesion",
     kind="cohesion",
     parameters=COHESION_ENERGY_DENSITY,
     keywords=(SJKR_LIGGGHTS,),

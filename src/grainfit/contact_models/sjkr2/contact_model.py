@@ -8,6 +8,7 @@ from grainfit.materials.equations import Equation
 
 SJKR2 = ContactModel(
     name="sjkr2",
+    title="SJKR2 cohesion",
     kind="cohesion",
     parameters=COHESION_ENERGY_DENSITY,
     keywords=(SJKR2_LIGGGHTS,),

@@ -9,9 +9,10 @@ from math import log
 from pathlib import Path
 
 from grainfit.files import write_atomically
-from grainfit.formatting import with_power
+from grainfit.formatting import plain, with_power
 from grainfit.plots.labels import Label, label_of_parameter, label_of_response
 from grainfit.report.package_page import package_page
+from grainfit.verdict.messages import state_name
 from grainfit.work_folder.comparison import ComparedRow, ComparedValue, Comparison
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -58,7 +59,9 @@ def write_compared_page(found: Comparison, saved: Sequence[SavedCalibration], pa
             ("Responses", found.responses, label_of_response),
         )
     ]
-    write_atomically(path, package_page("grainfit.report.compared", found=found, tables=tables))
+    states = [plain(state_name(state)) for state in found.states]
+    page = package_page("grainfit.report.compared", found=found, states=states, tables=tables)
+    write_atomically(path, page)
 
 
 def _label(

@@ -19,6 +19,7 @@ from reportlab.platypus import Frame, KeepInFrame, Paragraph, Spacer, Table, Tab
 
 from grainfit.analysis.analysis import Analysis
 from grainfit.cards import MaterialCard, material_card
+from grainfit.contact_models.registry import model_titles
 from grainfit.errors import StoreError
 from grainfit.files import in_place_of
 from grainfit.formatting import counted, in_usual_unit, number, plain, with_unit
@@ -33,6 +34,7 @@ from grainfit.report.sections.particles.shown_runs import shown_runs
 from grainfit.report.sheet.forecast import process_costs
 from grainfit.report.sheet.pictures import DrawnCurve, DrawnTest, kept_picture
 from grainfit.report.verdict import shown_verdict
+from grainfit.verdict.messages import END_NAMES
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 SHEET_NAME = "sheet.pdf"
@@ -58,14 +60,7 @@ _MOST_DETAILS, _MOST_NOTICES, _LONGEST = 4, 6, 420
 #: Pictures in a row, and most of them.
 _COLUMNS, _MOST_PICTURES = 3, 6
 _PICTURE_HEIGHT = 48 * mm
-_STATES = {
-    "calibrated": "CALIBRATED",
-    "predicted": "PREDICTED, FULL SIZE PENDING",
-    "undecided": "NOT CALIBRATED: UNDECIDED",
-    "out_of_tolerance": "NOT CALIBRATED: OUT OF TOLERANCE",
-    "unreachable": "NOT CALIBRATED: OUT OF REACH",
-}
-_NOT_ENDED = "NOT CALIBRATED: NOT AT ITS END"
+_NOT_CALIBRATED, _NOT_ENDED = "NOT CALIBRATED", "not at its end"
 _MARKS = {
     "met": "✓ met",
     "in doubt": "! in doubt",
@@ -122,7 +117,7 @@ class _Sheet:
         self._context, self._card = context, card
         self._verdict = shown_verdict(context)
         self._name = plain(card.name) or plain(context.reading.folder.absolute().name)
-        self._state = _STATES.get(card.status, _NOT_ENDED)
+        self._state = _state(card)
         grade = self._verdict.grade if card.calibrated == (self._verdict.grade == "good") else "bad"
         self._colour, self._ground = map(HexColor, _COLOURS[grade])
 
@@ -217,7 +212,7 @@ class _Sheet:
                 factor, real = card.sizes.coarse_graining, card.sizes.real.words
                 yield "Coarse graining", messages.COARSE(factor=f"{factor:g}", real=real)
         if card.contact_models:
-            yield "Contact law", ", ".join(card.contact_models)
+            yield "Contact law", ", ".join(model_titles(card.contact_models))
 
     def _values(self) -> Table:
         context = self._context
@@ -378,6 +373,12 @@ class _Sheet:
             if one.registration is not None:
                 known = one.registration
                 yield f"Targets of {one.test}", f"{known.targets_hash}, registered {known.date}"
+
+
+def _state(card: MaterialCard) -> str:
+    words = END_NAMES.get(card.status, _NOT_ENDED).upper()
+    is_usable = card.status in ("calibrated", "predicted")
+    return words if is_usable else f"{_NOT_CALIBRATED}: {words}"
 
 
 def _hash(text: str) -> str:
