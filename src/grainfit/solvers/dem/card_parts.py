@@ -1,4 +1,4 @@
-"""Common parts of the cards of all solvers: required parameters, variable names, templates."""
+"""Common parts of the cards of all solvers: required parameters, variable names, comments."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.registry import (
@@ -29,8 +27,9 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import PLAIN, plain_name, wall_of, walls_among
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.sphere_types import is_one_size
+from grainfit.solvers.dem.templates import fill
+from grainfit.solvers.registry import DEM_PROGRAMS
 
-_DECKS = {"lammps": "LAMMPS", "liggghts": "LIGGGHTS", "yade": "YADE"}
 #: Parameters of particles and walls that influence contacts.
 _BODIES = {parameter.name for parameter in BODY_PARAMETERS} - {"wall.density"}
 _LONGEST_VARIABLE = 60
@@ -47,10 +46,11 @@ def equations(card: MaterialCard, solver: str) -> str:
     law = contact_law(with_defaults(card.values), card.contact_models).in_solver(solver)
     found = law.equations(solver)
     used = {symbol for equation in found for symbol in equation.symbols}
+    models = in_a_row([model.name for model in law.models])
     return comments(
         [
             "",
-            f"Contact law: {in_a_row([model.name for model in law.models])} in {_DECKS[solver]}",
+            f"Contact law: {models} in {DEM_PROGRAMS[solver].title}",
             *(f"  {equation.words}" for equation in found),
             *(f"  {c.symbol} ({c.key}): {c.meaning}" for c in law.conventions),
             *(f"  {symbol}: {meaning}" for symbol, meaning in SYMBOLS.items() if symbol in used),
@@ -61,10 +61,10 @@ def equations(card: MaterialCard, solver: str) -> str:
 def _validity(card: MaterialCard, solver: str) -> str:
     found = {program.name for program in card.programs}
     if found == {solver}:
-        return messages.CALIBRATED_HERE(solver=_DECKS[solver])
-    if not found or not found <= _DECKS.keys():
+        return messages.CALIBRATED_HERE(solver=DEM_PROGRAMS[solver].title)
+    if not found or not found <= DEM_PROGRAMS.keys():
         return messages.CALIBRATED_ELSEWHERE()
-    solvers = " and ".join(_DECKS[name] for name in sorted(found))
+    solvers = " and ".join(DEM_PROGRAMS[name].title for name in sorted(found))
     law = contact_law(card.values, card.contact_models)
     if difference := law.solver_difference(card.values, found | {solver}):
         return messages.CALIBRATED_DIFFERENTLY(solvers=solvers, difference=difference)
@@ -200,16 +200,3 @@ def fill_card(solver: str, card: MaterialCard, values: Mapping[str, Any]) -> str
     common: dict[str, Any] = {"header": f"{header(card)}\n{law}", "origin": origin(card, solver)}
     common |= {"card": card, "about": about}
     return fill(solver, common | dict(values))
-
-
-def fill(solver: str, values: Mapping[str, Any], template: str = "card.j2") -> str:
-    """Fill in a template in the folder of a solver; numbers keep all digits."""
-    environment = Environment(
-        loader=PackageLoader("grainfit.solvers.dem", solver),
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        autoescape=False,
-    )
-    return environment.get_template(template).render(values)

@@ -25,11 +25,11 @@ from grainfit.scenes.scene import Load, Motion, Rotation, Stage, Velocity, Wall,
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Plane, Prism, Vector
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.solvers.dem import messages
-from grainfit.solvers.dem.card_parts import fill
 from grainfit.solvers.dem.deck import SceneDeck
 from grainfit.solvers.dem.rigid_bodies import rigid_bodies
 from grainfit.solvers.dem.script_syntax import heading
 from grainfit.solvers.dem.sphere_types import SphereTypes
+from grainfit.solvers.dem.templates import fill
 from grainfit.solvers.dem.yade.clump_shares import clump_shares
 
 _EDGES = (
