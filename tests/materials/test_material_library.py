@@ -118,9 +118,9 @@ def test_synonyms_name_a_material(given: str, name: str) -> None:
     ("given", "near", "ranges"),
     [
         ("wood pellets", "alfalfa_pellets", "pellets and granulates: .*bulk density 657 to 689"),
-        ("coffee beans", "soybeans", "seeds, pulses and nuts: .*angle of repose 16 to 57 deg"),
+        ("coffee beans", "soybeans", "seeds, pulses and nuts: .*angle of repose 16 to 57°"),
         ("chick peas", "chickpea|green_pea", "seeds"),
-        ("nickel ore", "copper_ore", "ores and concentrates: .*bulk density 1201 to 2403"),
+        ("nickel ore", "copper_ore", "ores and concentrates: .*bulk density 1201 to 2403 kg/m³"),
         ("flie ash", "coal_ash|fly_ash", "powders"),
     ],
 )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from grainfit.formatting import unit_for_people, with_unit
 from grainfit.units import to_unit
 
 #: Quantities that may be published: unit, and name in words.
@@ -53,12 +54,19 @@ class PublishedValue:
 
     @property
     def words(self) -> str:
-        """The range with its unit."""
-        unit = f" {self.unit}" if self.unit else ""
+        """The range with its unit, as calibration files have it."""
+        return f"{self._range} {self.unit}".rstrip()
+
+    @property
+    def shown(self) -> str:
+        """The range with its unit as readers expect it."""
+        return with_unit(self._range, unit_for_people(self.unit))
+
+    @property
+    def _range(self) -> str:
         if self.low is None:
-            return f"at most {self.high:.4g}{unit}"
-        ends = f"{self.low:.4g}" if self.low == self.high else f"{self.low:.4g} to {self.high:.4g}"
-        return f"{ends}{unit}"
+            return f"at most {self.high:.4g}"
+        return f"{self.low:.4g}" if self.low == self.high else f"{self.low:.4g} to {self.high:.4g}"
 
 
 def read_published(tables: Mapping[str, Any]) -> dict[str, PublishedValue]:

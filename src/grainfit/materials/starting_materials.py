@@ -186,7 +186,7 @@ def typical_ranges(of_class: str) -> str:
         if found:
             low = min(value.high if value.low is None else value.low for value in found)
             whole = PublishedValue(low, max(value.high for value in found), found[0].unit, "", "")
-            parts.append(f"{QUANTITIES[name][1]} {whole.words}")
+            parts.append(f"{QUANTITIES[name][1]} {whole.shown}")
     for name, (low, high) in (
         ("sliding", known.sliding_friction),
         ("rolling", known.rolling_friction),
