@@ -643,6 +643,16 @@ def test_verification_puts_the_mean_of_fresh_seeds_beside_what_all_runs_expect()
     assert expected["error_x"]["array"][0] == pytest.approx(1.96 * 0.11)
 
 
+def test_only_runs_of_particles_are_said_to_jam(heaps: ReportContext) -> None:
+    angle = replace(ANGLE, jams_not_excluded=0.19)
+    result = replace(RESULT, responses={"angle_of_repose": angle})
+    own_model = text(verification(context(result=result)))
+    assert "up to 19 % possible of runs that do not belong to the others" in own_model
+    assert "jam" not in own_model
+    bulk_test = replace(heaps, reading=replace(heaps.reading, result=result))
+    assert "a share of jams of up to 19 % possible" in text(verification(bulk_test))
+
+
 def test_fresh_seeds_that_contradict_the_others_are_marked_as_the_verdict_has_it() -> None:
     doubt = Contradicted("angle_of_repose", "deg", 21.93, 0.54, 4, 22.7)
     shown = text(verification(context("undecided", replace(RESULT, reasons=(doubt,)))))

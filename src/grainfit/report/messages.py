@@ -6,6 +6,14 @@ CANNOT_BE_WRITTEN = Message(
     "the report {path!r} cannot be written: {reason}.", "Choose another place with --output."
 )
 AT_THIS_SIZE = Message("{here} in this smaller apparatus, {real} in the laboratory's")
+NO_JAMS = Message(
+    "No run was outlying, which still leaves a share of jams of up to {share} % possible (95 % "
+    "confidence)."
+)
+NO_OUTLYING_RUNS = Message(
+    "No run was outlying, which still leaves a share of up to {share} % possible of runs that do "
+    "not belong to the others (95 % confidence)."
+)
 
 # The customer's sheet.
 SHEET_CANNOT_BE_WRITTEN = Message(

@@ -12,6 +12,7 @@ from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
 from grainfit.plots.style import BLUE, GREEN, STAGES, tolerance_band, value_range
 from grainfit.problem import Target
+from grainfit.report import messages
 from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 from grainfit.result import ResponseResult, Result
@@ -21,6 +22,7 @@ from grainfit.verdict.reasons import (
     FullSizeMade,
     FullSizePending,
 )
+from grainfit.work_folder.saved_calibration import bulk_tests_of
 
 #: Colour of the runs, as in the other figures.
 _SYMBOL, _COLOUR = STAGES["verification"]
@@ -36,7 +38,7 @@ class VerifiedRow:
     grade: str
     mark: str
     words: str
-    jams: str
+    none_outlying: str
 
 
 @dataclass(frozen=True)
@@ -127,10 +129,19 @@ def _row(context: ReportContext, check: _Check) -> VerifiedRow:
         f"{with_unit(wanted, label.unit)} was measured"
     )
     share = check.response.jams_not_excluded
-    jams = "" if share is None else number(100 * share, 2)
+    outlying = "" if share is None else _none_outlying(context, share, target.name)
     if check.differs:
-        return VerifiedRow(label, "warn", "! differs", words, jams)
-    return VerifiedRow(label, "good", "✓ agrees", words, jams)
+        return VerifiedRow(label, "warn", "! differs", words, outlying)
+    return VerifiedRow(label, "good", "✓ agrees", words, outlying)
+
+
+def _none_outlying(context: ReportContext, share: float, name: str) -> str:
+    """Say which share of outlying runs is not excluded; particles can also jam."""
+    test, dot, _ = name.rpartition(".")
+    tests = bulk_tests_of(context.reading)
+    can_jam = test in tests if dot else bool(tests)
+    words = messages.NO_JAMS if can_jam else messages.NO_OUTLYING_RUNS
+    return words(share=number(100 * share, 2))
 
 
 def _with_interval(value: float, half_width: float) -> str:
