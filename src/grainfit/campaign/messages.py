@@ -133,7 +133,9 @@ OF_SLURM = Message(
     "works with Slurm alone.",
     'Remove it, or write a Parsl configuration: parsl = "my_parsl.py:config".',
 )
-ONE_RUN = Message("is {given}.", "With nodes_per_run = {nodes} a job has one run: set jobs instead.")
+ONE_RUN = Message(
+    "is {given}.", "With nodes_per_run = {nodes} a job has one run: set jobs instead."
+)
 IDLE_NODES = Message("is {given}, fewer than the {nodes} nodes of a run.", "Lower nodes_per_run.")
 OF_GRID_ENGINE = Message("is of Grid Engine alone.", 'Remove it, or set scheduler = "sge".')
 HAS_A_KEY = Message("{given!r} has a key of its own.", "Use {key}.")
