@@ -63,7 +63,7 @@ def _likely(value: float | None) -> str:
     """Return a probability in few characters, after a verdict."""
     if value is None:
         return ""
-    words = probability(value).replace("more than ", "> ").replace("less than ", "< ")
+    words = probability(value).replace("more than ", ">\u00a0").replace("less than ", "<\u00a0")
     return f", {words}"
 
 
