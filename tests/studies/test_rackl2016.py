@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import shutil
+import subprocess
 import time
 from pathlib import Path
 from typing import Any
@@ -268,8 +269,17 @@ def test_the_whole_page_has_every_calibration_and_nothing_is_left_out(tmp_path: 
 # The original tools --------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(shutil.which(peer.PROGRAM) is None, reason=peer.INSTALL)
+@pytest.fixture
+def _octave() -> None:
+    """Skip where Octave is missing or without the packages that the method uses."""
+    loads = [peer.PROGRAM, "--norc", "--quiet", "--eval", "pkg load stk optim"]
+    program = shutil.which(peer.PROGRAM)
+    if program is None or subprocess.run(loads, capture_output=True, check=False).returncode:
+        pytest.skip(peer.INSTALL)
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("_octave")
 def test_the_original_tools_calibrate_and_go_on_where_they_were(tmp_path: Path) -> None:
     problem = setting.paper_problem(0.33)
     settings = peer.settings_of(problem, seed=3000, weight=0, design_runs=26)
