@@ -23,6 +23,8 @@ from studies.benchmarks.impacts import (
 from studies.benchmarks.published import curve
 
 Array = NDArray[np.float64]
+#: Places in the values of a run, and what they should be there.
+Expected = tuple[slice | Sequence[int] | NDArray[np.intp], Array]
 Records = Mapping[Run, Mapping[str, Any]]
 CLOSED, PUBLISHED, EXPERIMENT = "closed form", "published DEM", "experiment"
 SLIDING = f"{CLOSED}, sliding"
@@ -61,7 +63,7 @@ class Comparison:
     words: str
     unit: str
     reference: str
-    expected: Callable[[Run], tuple[Sequence[int] | Array, Array] | None]
+    expected: Callable[[Run], Expected | None]
     tolerance: float
 
     def deviation(self, run: Run, found: Mapping[str, Sequence[float]]) -> tuple[float, float]:
@@ -154,21 +156,21 @@ def sliding_from(run: Run) -> float:
     return 3.5 * (1 + run.restitution) - 2 * (1 - poisson) / (2 - poisson)
 
 
-def _elastic(key: str) -> Callable[[Run], tuple[Sequence[int], Array]]:
+def _elastic(key: str) -> Callable[[Run], Expected]:
     return lambda run: ([0], np.array([elastic(run, SPEED[run.test])[key]]))
 
 
-def _own_restitution(run: Run) -> tuple[Sequence[int], Array]:
+def _own_restitution(run: Run) -> Expected:
     return [0], np.array([run.restitution])
 
 
-def _at(values: Sequence[float], run: Run) -> tuple[Array, Array]:
+def _at(values: Sequence[float], run: Run) -> Expected:
     places = np.searchsorted(abscissae(4, run.body), np.array(values))
     return places, np.array(values)
 
 
-def _published(key: str, series: str) -> Callable[[Run], tuple[Array, Array] | None]:
-    def expected(run: Run) -> tuple[Array, Array] | None:
+def _published(key: str, series: str) -> Callable[[Run], Expected | None]:
+    def expected(run: Run) -> Expected | None:
         has_series = run.body == "oxide" or (series, key) == ("", "tangential_restitution")
         if not has_series:
             return None
@@ -179,10 +181,10 @@ def _published(key: str, series: str) -> Callable[[Run], tuple[Array, Array] | N
     return expected
 
 
-def _oblique(key: str) -> Callable[[Run], tuple[Array, Array]]:
+def _oblique(key: str) -> Callable[[Run], Expected]:
     """Return the closed forms of an oblique impact that slides from its beginning to its end."""
 
-    def expected(run: Run) -> tuple[Array, Array]:
+    def expected(run: Run) -> Expected:
         angles = np.radians(abscissae(4, run.body))
         sliding = np.flatnonzero(np.tan(angles) / FRICTION[4] >= sliding_from(run))
         across, down = 3.9 * np.sin(angles[sliding]), 3.9 * np.cos(angles[sliding])
@@ -197,29 +199,29 @@ def _oblique(key: str) -> Callable[[Run], tuple[Array, Array]]:
     return expected
 
 
-def _recoil_sliding(run: Run) -> tuple[Array, Array]:
+def _recoil_sliding(run: Run) -> Expected:
     scaled = abscissae(5, run.body)
     sliding = np.flatnonzero(scaled >= sliding_from(run))
     return sliding, scaled[sliding] - 3.5 * (1 + run.restitution)
 
 
-def _recoil_published(run: Run) -> tuple[Array, Array]:
+def _recoil_published(run: Run) -> Expected:
     points = curve("test5_recoil", run.body)
     return np.arange(len(points)), points[:, 1]
 
 
-def _beta_sliding(run: Run) -> tuple[Array, Array]:
+def _beta_sliding(run: Run) -> Expected:
     scaled = abscissae(run.test, run.body)
     sliding = np.flatnonzero(scaled < 1)
     return sliding, scaled[sliding] - 1
 
 
-def _beta_published(run: Run) -> tuple[Array, Array]:
+def _beta_published(run: Run) -> Expected:
     points = curve("test6_beta", run.body)
     return np.arange(len(points)), points[:, 1]
 
 
-def _constant(value: float) -> Callable[[Run], tuple[slice, Array]]:
+def _constant(value: float) -> Callable[[Run], Expected]:
     return lambda _run: (slice(None), np.array([value]))
 
 

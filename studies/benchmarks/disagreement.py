@@ -61,7 +61,7 @@ class LookUp:
         values = np.empty((*shape, len(LOOKUP_SPEEDS)))
         places = tuple(np.searchsorted(a, table[k]) for a, k in zip(axes, keys, strict=True))
         for number, speed in enumerate(LOOKUP_SPEEDS):
-            values[(*places, number)] = table[f"angle_{speed}rpm_deg"]
+            values[..., number][places] = table[f"angle_{speed}rpm_deg"]
         return RegularGridInterpolator((*axes, np.array(LOOKUP_SPEEDS, dtype=float)), values)
 
     def angle(

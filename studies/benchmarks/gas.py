@@ -126,7 +126,7 @@ def cooling(records: Mapping[Gas, Mapping[str, Any]], solver: str) -> tuple[floa
 def growth(records: Mapping[Gas, Mapping[str, Any]], solver: str) -> float:
     """Return the largest share by which the kinetic energy of an elastic gas grows."""
     return max(
-        record["growth"]
+        float(record["growth"])
         for run, record in records.items()
         if run.solver == solver and run.restitution == 1
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from grainfit.bulk_tests.heap import Heap
 from grainfit.materials.sizes import ParticleSizes
@@ -72,7 +73,8 @@ CASES = tuple(Case(width, seed) for width in WIDTHS for seed in SEEDS)
 
 def make_solver() -> Liggghts:
     """LIGGGHTS with Hertz-Mindlin and EPSD on the heap test, with the values of table 1."""
-    return Liggghts(Heap(ParticleSizes((DIAMETER,)), **ROUGH_PLATE), GLASS_BEADS)
+    plate: dict[str, Any] = dict(ROUGH_PLATE)
+    return Liggghts(Heap(ParticleSizes((DIAMETER,)), **plate), GLASS_BEADS)
 
 
 def around(name: str, width: float) -> Parameter:

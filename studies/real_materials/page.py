@@ -62,7 +62,10 @@ def _lines(name: str) -> list[str]:
     ]
     # Material and what it was calibrated on stand in its first line alone.
     heads = [(link, fitted), *[("", "")] * (len(predicted) - 1)]
-    return [_line(*head, *one) for head, one in zip(heads, predicted, strict=True)]
+    return [
+        _line(material, of_fit, *one)
+        for (material, of_fit), one in zip(heads, predicted, strict=True)
+    ]
 
 
 def _line(material: str, fitted: str, test: str, response: str, found: HoldoutResponse) -> str:
