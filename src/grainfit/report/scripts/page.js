@@ -422,6 +422,8 @@
     for (const element of part.querySelectorAll(SCROLLING)) {
       element.dataset.scrolls = "";
       [element, ...element.children].forEach((one) => resized.observe(one));
+      // Its observer reports a moment later, in which the keyboard could not reach it.
+      reach(element);
     }
   };
   window.grainfitScrolls(document);
