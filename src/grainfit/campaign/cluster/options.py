@@ -131,13 +131,13 @@ class ClusterOptions:
             count = getattr(self, key)
             if count is not None and count < 1:
                 yield messages.BELOW_ONE.fault(key, given=count)
-        if self.nodes_per_run > 1:
-            yield from self._faults_of_nodes(self.nodes_per_run)
 
     def _faults_of_nodes(self, nodes: int) -> Iterator[Fault]:
-        if self.scheduler != "slurm" and not self.parsl:
+        if nodes <= 1:
+            return
+        if self.scheduler != "slurm":
             yield messages.OF_SLURM.fault("nodes_per_run")
-        if self.runs_per_job > 1 and not self.parsl:
+        if self.runs_per_job > 1:
             yield messages.ONE_RUN.fault("runs_per_job", given=self.runs_per_job, nodes=nodes)
         if self.cores_per_run is not None and self.cores_per_run < nodes:
             yield messages.IDLE_NODES.fault("cores_per_run", given=self.cores_per_run, nodes=nodes)
@@ -150,6 +150,7 @@ class ClusterOptions:
             yield messages.BESIDE_PARSL.fault("nodes_per_run")
 
     def _faults_of_jobs(self) -> Iterator[Fault]:
+        yield from self._faults_of_nodes(self.nodes_per_run)
         for key in ("partition", "account", "parallel_environment"):
             name = getattr(self, key)
             if name is not None and not _NAME.fullmatch(name):

@@ -114,7 +114,9 @@ def _provider(options: ClusterOptions) -> Followed:
                 **given,
             )
     wanted = ["--no-requeue"]
-    if options.nodes_per_run > 1:
+    if options.nodes_per_run == 1:
+        given["cores_per_node"] = cores
+    else:
         # The launcher of MPI starts as many ranks on a node as the job has tasks there; the worker
         # is on the first one.
         wanted += [f"--ntasks-per-node={options.tasks_per_node}", "--cpus-per-task=1"]
@@ -124,7 +126,6 @@ def _provider(options: ClusterOptions) -> Followed:
         partition=queue,
         account=account,
         nodes_per_block=options.nodes_per_run,
-        cores_per_node=cores if options.nodes_per_run == 1 else None,
         exclusive=False,
         scheduler_options=_directives("#SBATCH", [*wanted, *options.options]),
         **given,
