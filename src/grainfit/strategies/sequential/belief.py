@@ -68,6 +68,7 @@ class Belief:
         self._confidence_to_stop = confidence_to_stop
         runs = np.array([problem.to_unit(e.proposal.parameters) for e in known])
         self._seeds = (seed, len(known))
+        self._needed: dict[float, int] = {}
         self.answers = AnswerSearch(self.metamodels, self.feasibility, runs, self._seeds)
 
     @cached_property
@@ -153,7 +154,11 @@ class Belief:
 
     def runs_needed(self, confidence: float) -> int:
         """Estimated number of further runs at the answer that would decide it."""
-        return self.metamodels.runs_needed(self.answers.closest[0], confidence)
+        # A display asks several times a second.
+        if confidence not in self._needed:
+            point = self.answers.closest[0]
+            self._needed[confidence] = self.metamodels.runs_needed(point, confidence)
+        return self._needed[confidence]
 
     @property
     def is_at_edge(self) -> bool:
