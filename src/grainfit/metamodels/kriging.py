@@ -387,7 +387,8 @@ class Kriging:
         off = means - self._weights @ means
 
         def covariances(others: FloatArray) -> tuple[FloatArray, FloatArray]:
-            there = [component.project(others) for component in self._components]
+            is_same = others is points
+            there = here if is_same else [c.project(others) for c in self._components]
             parts = [c.predict_at(p) for c, p in zip(self._components, there, strict=True)]
             other_means, variances = (np.array(part) for part in zip(*parts, strict=True))
             mean, variance = self._combine(other_means, variances)
@@ -675,11 +676,14 @@ class Kriging:
         ratios = plain.get("noise_ratios")
         noise = None if ratios is None else np.array(ratios, dtype=float)
         components = []
+        contrasts: dict[Trend, Contrasts] = {}
         for one in plain["components"]:
             trend = Trend(tuple(one["trend_columns"]))
+            if trend not in contrasts:
+                contrasts[trend] = Contrasts.of(trend.matrix(points))
             numbers = (one[key] for key in ("signal_variance", "noise_variance", "weight"))
             sets = Hyperparameters(np.array(one["ranges"], dtype=float), *map(float, numbers))
-            given = (points, standardised, np.zeros(len(points)), None, noise)
+            given = (points, standardised, np.zeros(len(points)), contrasts[trend], noise)
             components.append(Component(sets, trend, *given))
         return cls(
             components,
