@@ -169,4 +169,4 @@ def write_card(path: Path, text: str) -> None:
 
 def _why_no_intervals(reading: SavedCalibration) -> tuple[str, ...]:
     why = reading.why_nothing_agrees
-    return (why,) if why else reading.analyse().notes
+    return (why,) if why else reading.analyse_parameters().notes

@@ -133,7 +133,7 @@ def _posterior_values(saved: SavedCalibration) -> NDArray[np.float64]:
     if saved.why_nothing_agrees:
         fault = messages.NOTHING_AGREES.fault("", why=saved.why_nothing_agrees)
         raise InputError(fault, folder)
-    analysis = saved.analyse()
+    analysis = saved.analyse_parameters()
     if analysis.posterior is None:
         why = " ".join(analysis.notes) or messages.TOO_FEW_RUNS_YET()
         raise InputError(messages.NO_POSTERIOR.fault("", why=why), folder)
