@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
+import io
 import json
 import math
+import re
 import shutil
 import time
 from dataclasses import replace
@@ -41,9 +44,15 @@ from grainfit.photographs.drum_surface import (
     places,
     without_perspective,
 )
+from grainfit.photographs.kept import KeptPicture
+from grainfit.photographs.kept_frame import keep_frame
 from grainfit.photographs.pictures import opencv
 from grainfit.photographs.rim_speed import rotational_speed
+from grainfit.report.sections.photographs.comparison import Comparison, compared
+from grainfit.report.sections.photographs.section import html_of
+from grainfit.work_folder.saved_calibration import SavedCalibration
 from tests.beads_file import BEADS
+from tests.photographs.placed_drum import Turned
 from tests.photographs.rendered_drums import DrumShot, render_drum
 from tests.photographs.test_marker import _printed
 
@@ -476,3 +485,97 @@ def test_a_drum_that_has_colours_of_the_bed_is_refused(alike: float) -> None:
     with pytest.raises(gf.NotMeasurableError) as error:
         learn_colours(frames, circle)
     assert messages.BED_LIKE_DRUM.is_in(str(error.value))
+
+
+def _compared(folder: Path) -> tuple[Comparison, SavedCalibration]:
+    """Calibrate a drum on the video of a folder for a few runs; return what the report compares."""
+    setup, work = _load(folder, FILMED), folder / "work"
+    keep_pictures(setup.file.photographed, work, folder)
+    gf.calibrate(setup.problem, Turned(), workdir=work, max_runs=7, seed=1, workers=1)
+    (found,) = compared(gf.open(work))
+    return found, gf.open(work)
+
+
+def _points(path: str) -> NDArray[np.float64]:
+    """Return the points of an SVG path, heights upwards."""
+    pairs = re.findall(r"(-?[\d.]+),(-?[\d.]+)", path)
+    return np.array(pairs, dtype=float) * [1, -1]
+
+
+def _inclination(points: NDArray[np.float64], radius: float) -> float:
+    across = np.linspace(-0.5, 0.5, 50) * radius
+    return math.degrees(math.atan(np.polyfit(across, np.interp(across, *points.T), 1)[0]))
+
+
+def test_a_filmed_drum_and_the_simulated_one_are_beside_each_other(folder: Path) -> None:
+    found, saved = _compared(folder)
+
+    run = saved.records[found.run].responses
+    by_name = {name: (photographed, of_run) for name, photographed, of_run in found.angles}
+    target = saved.problem.targets[0]
+    assert by_name["dynamic angle"] == (
+        f"{target.value:.2f} ± {target.uncertainty:.2f}",
+        f"{run['dynamic_angle'].value:.2f} ± {run['dynamic_angle'].standard_error:.2f}",
+    )
+    assert len(by_name) == 4
+    # Both drums are equally large, and both surfaces are where the angles say.
+    assert found.drum == "200 mm"
+    photographed, simulated = _points(found.chosen.measured), _points(found.outline)
+    for points in (photographed, simulated):
+        ends = np.hypot(*points[[0, -1]].T) / found.drum_radius
+        assert ends == pytest.approx([1, 1], abs=0.15)
+    assert _inclination(photographed, found.drum_radius) == pytest.approx(ANGLE, abs=2)
+    surface = run["surface"]
+    there = simulated * 0.1 / found.drum_radius
+    heights = np.interp(there[:, 0], surface.coordinates, surface.values)
+    assert there[:, 1] == pytest.approx(heights, abs=1e-3)
+    # In the copy the drum is where it is drawn: its pale rim begins at the circle.
+    unit = (found.chosen.place[2] - 1) / 720
+    radius, copy = found.drum_radius / unit, _copy(found)
+    for number in range(8):
+        ray = np.array([math.cos(number), math.sin(number)])
+        inside, rim = (
+            copy[tuple((360 + share * radius * ray).astype(int))] for share in (0.94, 1.06)
+        )
+        if ray[0] < 0:
+            assert rim.mean() > inside.mean() + 20
+    (photo,) = found.pictures
+    assert photo.frames == COUNT
+    # The camera looks at the other end of the drum than the drawing does.
+    assert photo.is_mirrored
+    assert photo.apart.endswith("% of the drum's diameter")
+    words = str(html_of([found]))
+    assert "heap" not in words
+    assert "turning.mp4" in words
+
+
+def _copy(found: Comparison) -> NDArray[np.uint8]:
+    content = base64.b64decode(found.chosen.image.removeprefix("data:image/jpeg;base64,"))
+    return np.asarray(Image.open(io.BytesIO(content)))
+
+
+def test_a_drum_that_turns_the_other_way_is_shown_mirrored(shot: DrumShot, tmp_path: Path) -> None:
+    picture = np.asarray(render_drum(shot, 3))
+    still = measure_still(tmp_path / "left", picture, None)
+    stills = [replace(still, turn=still.turn + shift) for shift in (-0.4, -0.2, 0, 0.2, 0.4)]
+    left = measure_stills(stills, DrumSize())
+    circle, columns = left.circle, picture.shape[1]
+    right = replace(
+        left,
+        shown=np.ascontiguousarray(np.fliplr(picture)),
+        circle=replace(
+            circle,
+            middle=(columns - 1 - circle.middle[0], circle.middle[1]),
+            turn=-circle.turn,
+        ),
+        rises_right=True,
+        level=-left.level,
+    )
+
+    copies = []
+    for series in (left, right):
+        kept = keep_frame(KeptPicture("copy", "", ""), series, {"picture": 0.6}, {}, tmp_path)
+        assert kept.is_mirrored == (series is left)
+        assert kept.outline[1][0] < kept.outline[1][-1]
+        copies.append(np.asarray(Image.open(tmp_path / "copy.jpg"), dtype=float))
+    assert np.abs(copies[0] - copies[1]).mean() < 4 < np.abs(copies[0] - copies[1][:, ::-1]).mean()

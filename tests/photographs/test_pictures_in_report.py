@@ -1,4 +1,4 @@
-"""Photographs beside simulated heaps, in the report and on the watch page."""
+"""Photographs beside simulated heaps and drums, in the report and on the watch page."""
 
 from __future__ import annotations
 
@@ -125,8 +125,8 @@ def test_photograph_and_simulated_heap_are_at_one_scale(work: Path) -> None:
     curve = gf.open(work).problem.curves[0]
     assert outline[:, 1].max() == pytest.approx(max(curve.values), rel=0.05)
     # The silhouette is that heap: its highest particle and its foot.
-    assert found.silhouette is not None
-    silhouette = points(found.silhouette.path) * found.silhouette.pixel_size
+    assert found.drawing is not None
+    silhouette = points(found.drawing.path) * found.drawing.pixel_size
     assert silhouette[:, 1].max() == pytest.approx(simulated[:, 1].max(), abs=0.01)
     for distance in (-0.08, 0.08):
         heights = [np.interp(distance, *one.T) for one in (silhouette, simulated)]

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol, Self, runtime_checkable
 
+import numpy as np
+from numpy.typing import NDArray
+
+from grainfit.evaluation import Curve, Measured
 from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.drawing import Drawing
 from grainfit.measurement.particles import Particles
@@ -47,6 +51,37 @@ class Shown:
 
 
 @dataclass(frozen=True)
+class SeenOutline:
+    """Outline of what stands before a camera: a heap on its plate, or the surface in a drum.
+
+    Parameters
+    ----------
+    x, heights : ndarray of shape (n,)
+        Across and upwards from the foot of a heap's axis, or from the axis of a drum, m; x
+        increases.
+    drum_radius : float
+        Inner radius of a drum, m; 0 of a heap.
+    """
+
+    x: NDArray[np.float64]
+    heights: NDArray[np.float64]
+    drum_radius: float = 0.0
+
+    @classmethod
+    def of_profile(cls, profile: Measured | None) -> Self | None:
+        """Return a heap by the mean height of its sides over the distance from its axis."""
+        if not isinstance(profile, Curve):
+            return None
+        x, heights = np.asarray(profile.coordinates), np.asarray(profile.values)
+        across = np.r_[-x[::-1], x[x > 0]]
+        both = np.r_[heights[::-1], heights[x > 0]]
+        # Down to the first point on the plate, on both sides.
+        above = np.flatnonzero(both > 0)
+        shown = slice(max(0, above[0] - 1), above[-1] + 2) if len(above) else slice(None)
+        return cls(across[shown], both[shown])
+
+
+@dataclass(frozen=True)
 class MeasuredDrawing:
     """A drawing with the measurement on it.
 
@@ -76,6 +111,11 @@ class RunView(ABC):
     @abstractmethod
     def measured_drawing(self, target: float | None) -> MeasuredDrawing:
         """Draw what was measured beside its target, as far as it could be measured."""
+
+    def before_camera(self) -> Drawing | None:
+        """Draw what a camera sees, about the origin of a `SeenOutline`; None without lengths."""
+        drawing = replace(self.measured_drawing(None).drawing, fitted=())
+        return None if drawing.pixel_size is None else drawing
 
     def outlines(self) -> Sequence[Outline]:
         """Return the edges of the apparatus, drawn about the z axis and from z = 0 upwards, m."""
@@ -114,6 +154,14 @@ class CanBeShown(Protocol):
         NotMeasurableError, OSError
             It is not there, or damaged.
         """
+
+
+@runtime_checkable
+class CanBePhotographed(Protocol):
+    """A test whose runs a report shows beside photographs of it."""
+
+    def seen_outline(self, responses: Mapping[str, Measured]) -> SeenOutline | None:
+        """Return the outline of a run by its responses; None of one that has none."""
 
 
 def shown(test: object) -> Shown | None:

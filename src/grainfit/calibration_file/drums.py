@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -119,8 +120,12 @@ def _number(key: str, test: Mapping[str, Any], values: Values, place: Place) -> 
     if target is None:
         return None
     value, error = target.value, target.standard_uncertainty
+    about = _shown(found)
     note_target(
-        [Original(one.file, one.sha256, found.version, found.name, {}) for one in files.values()],
+        [
+            Original(one.file, one.sha256, found.version, found.name, about.get(one.sha256, {}))
+            for one in files.values()
+        ],
         messages.DRUM_PHOTOGRAPHED(
             response=place.key.replace("_", " "),
             result=in_words(value, error, found.parts[place.key]),
@@ -130,6 +135,22 @@ def _number(key: str, test: Mapping[str, Any], values: Values, place: Place) -> 
         speed=found.speed,
     )
     return target
+
+
+def _shown(found: KeptDrum) -> dict[str, dict[str, Any]]:
+    """Return what a report shows of each video and of the stills, by the hash of the file."""
+    from grainfit.photographs.kept import KeptPicture
+
+    shown = {
+        one.sha256: {**asdict(one.picture), "heap": number}
+        for number, one in enumerate(found.series, 1)
+        if one.picture is not None
+    }
+    refused = {
+        digest: {**asdict(KeptPicture(found.name, digest, found.version, why)), "heap": 0}
+        for digest, why in found.refused.items()
+    }
+    return {**shown, **refused}
 
 
 def _size(values: Values, test: Mapping[str, Any], place: Place) -> DrumSize | None:

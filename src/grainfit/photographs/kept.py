@@ -36,7 +36,7 @@ _CODE = (
     "measurement/avalanches.py",
 )
 #: Points of an outline for each particle diameter; width of a kept copy, pixels.
-_POINTS_PER_DIAMETER, _COPY_WIDTH = 4, 720
+_POINTS_PER_DIAMETER, COPY_WIDTH = 4, 720
 #: What a kept copy shows beside the heap and above it, relative to its half width and its height.
 _BESIDE, _ABOVE, _BELOW = 1.25, 1.3, 0.2
 
@@ -63,7 +63,7 @@ class KnownOfPicture:
 
 @dataclass(frozen=True)
 class KeptPicture:
-    """What is kept of one picture. Lengths are in pixels of its working size.
+    """What is kept of one picture, or of a series. Lengths are in pixels of its working size.
 
     Parameters
     ----------
@@ -93,8 +93,18 @@ class KeptPicture:
         Horizontal distances from the axis, and heights of the averaged outline above the plate.
     shown : tuple of float
         Left, right, lower and upper end of the kept copy, which is upright, as from the side.
+    drum_radius : float
+        Of a drum about the origin, in whose middle distances and heights are zero; 0 of heaps.
+    is_mirrored : bool
+        Whether outline and copy are mirrored: the bed of a drum rises to the right in them.
+    lines : tuple of tuple of float
+        Lines at the angles in a drum: distances and heights of both ends.
+    angles : dict
+        Angles that all pictures of a drum tell together, with their standard uncertainties.
+    frames : int
+        Frames or stills that were measured together; the first one is shown.
     file : str
-        The picture, as the calibration file names it.
+        The picture or the video, as the calibration file names it.
     """
 
     name: str
@@ -112,6 +122,11 @@ class KeptPicture:
     ground: float = 0.0
     outline: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
     shown: tuple[float, ...] = ()
+    drum_radius: float = 0.0
+    is_mirrored: bool = False
+    lines: tuple[tuple[float, float, float, float], ...] = ()
+    angles: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    frames: int = 1
     file: str = ""
 
     @property
@@ -212,9 +227,7 @@ def _keep(kept: KeptPicture, found: HeapInPicture, folder: Path) -> KeptPicture:
     heap = np.flatnonzero(heights > 0)[::every]
     width, top = _BESIDE * float(np.abs(across[heap]).max()), float(heights.max())
     shown = (-width, width, -_BELOW * top, _ABOVE * top)
-    copy = Image.fromarray(_upright(found, shown, low))
-    with in_place_of(folder / f"{kept.name}.jpg") as place:
-        copy.save(place, "JPEG", quality=85)
+    write_copy(_upright(found, shown, low), folder, kept.name)
     return replace(
         kept,
         angle=found.angle,
@@ -226,24 +239,31 @@ def _keep(kept: KeptPicture, found: HeapInPicture, folder: Path) -> KeptPicture:
         scale=found.scale,
         diameter=found.diameter,
         ground=found.ground + low,
-        outline=(_rounded(across[heap]), _rounded(heights[heap])),
-        shown=_rounded(np.array(shown)),
+        outline=(rounded(across[heap]), rounded(heights[heap])),
+        shown=rounded(np.array(shown)),
     )
 
 
-def _rounded(values: Array) -> tuple[float, ...]:
+def write_copy(colours: Any, folder: Path, name: str) -> None:
+    """Write an upright copy of a picture."""
+    with in_place_of(folder / f"{name}.jpg") as place:
+        Image.fromarray(colours).save(place, "JPEG", quality=85)
+
+
+def rounded(values: Array) -> tuple[float, ...]:
+    """Return values as they are kept."""
     return tuple(np.round(values, 2).tolist())
 
 
 def _upright(found: HeapInPicture, shown: tuple[float, float, float, float], low: float) -> Any:
     """Return a part of the picture as from the side, heights stretched as the outline was."""
     left, right, lower, upper = shown
-    rows = max(1, round(_COPY_WIDTH * (upper - lower) / (right - left)))
+    rows = max(1, round(COPY_WIDTH * (upper - lower) / (right - left)))
     across, heights = np.meshgrid(
-        np.linspace(left, right, _COPY_WIDTH), np.linspace(upper - low, lower - low, rows)
+        np.linspace(left, right, COPY_WIDTH), np.linspace(upper - low, lower - low, rows)
     )
     places = found.back(np.column_stack([across.ravel(), heights.ravel()])).astype(np.float32)
-    columns, lines = places.T.reshape(2, rows, _COPY_WIDTH)
+    columns, lines = places.T.reshape(2, rows, COPY_WIDTH)
     cv2 = opencv()
     border = cv2.BORDER_REPLICATE
     return cv2.remap(found.picture.colours, columns, lines, cv2.INTER_LINEAR, borderMode=border)

@@ -13,8 +13,9 @@ from grainfit.photographs.drum_photo import (
     measure_series,
     speed_of,
 )
-from grainfit.photographs.kept import version_of_code
+from grainfit.photographs.kept import KeptPicture, version_of_code
 from grainfit.photographs.kept_folder import kept_once
+from grainfit.photographs.kept_frame import keep_frame
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class KeptSeries:
         Whether the bed rises to the right.
     fill_level : float
         Share of the drum that the bed takes.
+    picture : KeptPicture or None
+        Its first frame; None where an earlier version has measured it.
     """
 
     sha256: str
@@ -40,6 +43,7 @@ class KeptSeries:
     seconds: float | None
     rises_right: bool
     fill_level: float
+    picture: KeptPicture | None = None
 
 
 @dataclass(frozen=True)
@@ -116,11 +120,12 @@ def measure_drum_once(
         (folder / name).mkdir(parents=True, exist_ok=True)
         draw_overlays(folder / name, series, refused)
         responses, parts = mean_of_series(series, level) if series else ({}, {})
+        angles = {angle: (one.value, one.standard_error) for angle, one in responses.items()}
         speed = speed_of(series)
         return KeptDrum(
             name,
             version_of_code(),
-            {name: (found.value, found.standard_error) for name, found in responses.items()},
+            angles,
             parts,
             tuple(
                 KeptSeries(
@@ -129,8 +134,15 @@ def measure_drum_once(
                     one.interval and (len(one.angles.bed.heights) - 1) * one.interval,
                     one.rises_right,
                     one.fill_level,
+                    keep_frame(
+                        KeptPicture(f"{name}/frame_{number}", hashes[one.path], version_of_code()),
+                        one,
+                        mean_of_series([one], level)[1]["dynamic_angle"],
+                        angles,
+                        folder,
+                    ),
                 )
-                for one in series
+                for number, one in enumerate(series, 1)
             ),
             {hashes[path]: why for path, why in refused.items()},
             None if speed is None else (speed.value, speed.standard_error),

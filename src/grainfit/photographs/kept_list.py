@@ -30,15 +30,18 @@ class KeptTarget:
     result : str
         Value and uncertainty in words.
     heaps : sequence of sequence of KeptPicture
-        Measured pictures of each heap.
+        Measured pictures of each heap; of a drum, each video, or its stills.
     refused : sequence of KeptPicture
         Pictures that were not measured.
+    hashes : mapping of str to str
+        SHA-256 of every original by its file: stills of a drum are measured together.
     """
 
     response: str
     result: str
     heaps: Sequence[Sequence[KeptPicture]]
     refused: Sequence[KeptPicture]
+    hashes: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -63,14 +66,14 @@ class KeptPictures:
         """Return the path of the upright copy of a picture."""
         return self.folder / f"{picture.name}.jpg"
 
-    def state_of(self, picture: KeptPicture) -> StateOfOriginal:
-        """Return whether the original of a picture is still what was measured."""
+    def state_of(self, file: str, sha256: str) -> StateOfOriginal:
+        """Return whether an original is still what was measured."""
         if self.originals is None:
             return "unknown"
-        digest = hash_of(self.originals / picture.file)
+        digest = hash_of(self.originals / file)
         if not digest:
             return "gone"
-        return "the same" if digest == picture.sha256 else "changed"
+        return "the same" if digest == sha256 else "changed"
 
 
 def hash_of(path: Path) -> str:
@@ -130,8 +133,12 @@ def kept_pictures(work_folder: Path) -> KeptPictures | None:
 def _target(data: Any) -> KeptTarget | None:
     heaps: dict[int, list[KeptPicture]] = {}
     refused = []
+    hashes = {}
     try:
         for one in data["pictures"]:
+            hashes[str(one["file"])] = str(one["sha256"])
+            if "heap" not in one:
+                continue
             number = int(one["heap"])
             picture = KeptPicture.from_plain(one)
             if picture.refused:
@@ -141,4 +148,4 @@ def _target(data: Any) -> KeptTarget | None:
         response, result = str(data["response"]), str(data["result"])
     except (ValueError, KeyError, TypeError, AttributeError):
         return None
-    return KeptTarget(response, result, list(heaps.values()), refused)
+    return KeptTarget(response, result, list(heaps.values()), refused, hashes)

@@ -23,10 +23,10 @@ from grainfit.bulk_tests.shared.options import LENGTH
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
-from grainfit.bulk_tests.view import Shown
+from grainfit.bulk_tests.view import SeenOutline, Shown
 from grainfit.checks import Check, Found, check
 from grainfit.errors import NotMeasurableError, RunFailedError
-from grainfit.evaluation import Measured
+from grainfit.evaluation import Curve, Measured
 from grainfit.measurement.particles import Particles, write_vtk
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Flag, Quantity
@@ -384,3 +384,11 @@ class Drum(BulkTest):
     def view(self, run: RunOutput) -> DrumView:
         """Read the bed of a run, to be drawn."""
         return DrumView(DrumAngles(self._bed(run)))
+
+    def seen_outline(self, responses: Mapping[str, Measured]) -> SeenOutline | None:
+        """Return the mean surface of the bed."""
+        surface = responses.get("surface")
+        if not isinstance(surface, Curve):
+            return None
+        x, heights = np.asarray(surface.coordinates), np.asarray(surface.values)
+        return SeenOutline(x, heights, self.setup.drum_radius)

@@ -28,6 +28,8 @@ _PANEL_WIDTH = 640 * OVERSAMPLING
 #: Drawings have this many pixels in a particle diameter.
 _PIXELS = 20
 _CORNERS = 72
+#: Depth behind the front to which particles are drawn as a camera sees them, in diameters.
+_FRONT = 1.5
 
 
 def draw_drum(
@@ -174,6 +176,32 @@ class DrumView(RunView):
         arc = [(radius * math.sin(a), -radius * math.cos(a)) for a in np.linspace(upper, lower, 40)]
         points = (f"{y / pixel:.0f},{-(z + radius) / pixel:.0f}" for y, z in [*surface, *arc])
         return f"M{' L'.join(points)}Z"
+
+    def before_camera(self) -> Drawing:
+        """Draw the particles at the front at the end, and lines at the angles of all frames."""
+        flanks: Sequence[Flank] = ()
+        with suppress(NotMeasurableError):
+            flanks = list(self.angles.flanks().values())
+        pixel = self._pixel
+        return replace(
+            self._drawing((), None),
+            path=self._front(),
+            fitted=fitted_lines(flanks, 0.0, pixel, None)[0],
+            pixel_size=pixel,
+        )
+
+    def _front(self) -> str:
+        """Return the particles nearest to the camera as circles of an SVG path."""
+        setup, pixel, seen = self._setup, self._pixel, self.particles
+        across, depth, heights = seen.positions.T
+        near = depth + setup.drum_length / 2 < _FRONT * seen.diameter
+        places = (across[near], heights[near] - setup.drum_radius, seen.radii[near])
+        circles = zip(*(values / pixel for values in places), strict=True)
+        return "".join(
+            f"M{y - r:.0f},{-z:.0f}a{r:.0f},{r:.0f} 0 1 0 {2 * r:.0f},0"
+            f"a{r:.0f},{r:.0f} 0 1 0 {-2 * r:.0f},0"
+            for y, z, r in circles
+        )
 
     def outlines(self) -> Sequence[Outline]:
         """Return the two ends of the simulated slice of the drum."""

@@ -37,7 +37,7 @@ from grainfit.bulk_tests.shared.responses import heap_profile, heap_responses
 from grainfit.bulk_tests.shared.validity import arch, require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
-from grainfit.bulk_tests.view import Shown
+from grainfit.bulk_tests.view import SeenOutline, Shown
 from grainfit.checks import Check, Found, check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured
@@ -406,6 +406,10 @@ class Funnel(BulkTest):
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""
         return self._below(run.snapshot(_HEAP), self._outlet_height(run))
+
+    def seen_outline(self, responses: Mapping[str, Measured]) -> SeenOutline | None:
+        """Return the mean outline of all sides of the heap."""
+        return SeenOutline.of_profile(responses.get("profile"))
 
     def _below(self, end: Particles, outlet: float) -> HeapView:
         """Return the heap of the particles below an outlet, whose height is in m."""

@@ -37,7 +37,7 @@ from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
-from grainfit.bulk_tests.view import Shown
+from grainfit.bulk_tests.view import SeenOutline, Shown
 from grainfit.checks import Check, Found, check
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Measured
@@ -391,6 +391,10 @@ class Heap(BulkTest):
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""
         return self._heap(self._without_clinging(run.snapshot(_HEAP)))
+
+    def seen_outline(self, responses: Mapping[str, Measured]) -> SeenOutline | None:
+        """Return the mean outline of all sides of the heap."""
+        return SeenOutline.of_profile(responses.get("profile"))
 
     def _heap(self, end: Particles) -> HeapView:
         setup = self.setup

@@ -12,6 +12,7 @@ from statistics import fmean
 import numpy as np
 from scipy.spatial.distance import cdist
 
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import class_of_test, recreate_test
 from grainfit.bulk_tests.view import CanBeShown, RunView, Shown, shown
 from grainfit.campaign.store.records import RunRecord
@@ -205,10 +206,18 @@ def runs_to_show(
 
 def read_view(run: ShownRun) -> RunView | None:
     """Read the end of a run; None when it is missing or damaged."""
+    test = recreated(run)
     try:
-        test = recreate_test(run.record.definition)
         return test.view(RunOutput(run.folder)) if isinstance(test, CanBeShown) else None
     except (InputError, NotMeasurableError, OSError):
+        return None
+
+
+def recreated(run: ShownRun) -> BulkTest | None:
+    """Return the bulk test of a run; None when its definition is damaged."""
+    try:
+        return recreate_test(run.record.definition)
+    except InputError:
         return None
 
 

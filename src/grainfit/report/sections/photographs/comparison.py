@@ -1,8 +1,8 @@
-"""A photographed heap and a simulated one at one scale, as data of drawings.
+"""A photographed heap or drum and a simulated one at one scale, as data of drawings.
 
-Both outlines are those that are measured: the averaged outline of the picture, and the response
-``profile`` of the run, the mean of all sides. In drawings the axis is at x = 0, the plate at y = 0,
-and heights are negative.
+Both outlines are those that are measured: the averaged outline of the picture, and that which the
+bulk test makes of the responses of a run. In drawings the axis is at x = 0; at y = 0 is the plate,
+or the axis of a drum; heights are negative.
 """
 
 from __future__ import annotations
@@ -11,22 +11,23 @@ import base64
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.bulk_tests.view import RunView
-from grainfit.evaluation import Curve, names_of_tests
+from grainfit.bulk_tests.view import CanBePhotographed, SeenOutline
+from grainfit.evaluation import Measured, names_of_tests, scalars
 from grainfit.files import read_within
 from grainfit.formatting import number, plain, unit_for_people, with_unit
-from grainfit.measurement.drawing import simplified
+from grainfit.measurement.drawing import Drawing, simplified
 from grainfit.photographs.kept import KeptPicture
-from grainfit.photographs.kept_list import KeptPictures, StateOfOriginal, kept_pictures
+from grainfit.photographs.kept_list import KeptPictures, kept_pictures
 from grainfit.report.sections.particles.shown_runs import (
     ShownRun,
     first_readable,
+    recreated,
     runs_to_show,
     shown_response,
     shown_runs,
@@ -53,11 +54,8 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Outline:
-    """Heights of a heap above its plate over the distance from its axis, m; x increases."""
-
-    x: Array
-    heights: Array
+class Outline(SeenOutline):
+    """Outline of a heap, or the surface in a drum, to be drawn."""
 
     @property
     def area(self) -> float:
@@ -66,18 +64,22 @@ class Outline:
 
     @property
     def half_width(self) -> float:
-        """Largest distance from the axis at which there is a heap."""
+        """Largest distance from the axis at which there is a heap, or the drum."""
+        if self.drum_radius:
+            return self.drum_radius
         above = self.x[self.heights > 0]
         return float(np.abs(above).max()) if len(above) else 0.0
 
     def times(self, factor: float) -> Outline:
         """Return it enlarged."""
-        return Outline(self.x * factor, self.heights * factor)
+        return Outline(self.x * factor, self.heights * factor, self.drum_radius * factor)
 
     def distance(self, other: Outline) -> float:
         """Return the mean vertical distance of another outline where this one is, m."""
-        heights = np.interp(self.x, other.x, other.heights, left=0.0, right=0.0)
-        return float(np.abs(self.heights - heights).mean())
+        # In a drum, where both surfaces are.
+        outside = math.nan if self.drum_radius else 0.0
+        heights = np.interp(self.x, other.x, other.heights, left=outside, right=outside)
+        return float(np.nanmean(np.abs(self.heights - heights)))
 
     def path(self, unit: float) -> str:
         """Return an SVG path; a unit of the drawing is so many m."""
@@ -118,6 +120,8 @@ class Frame:
         half = _BESIDE * max(one.half_width for one in given)
         high = max(float(one.heights.max()) for one in given)
         unit = 2 * half / _WIDTH
+        if given[0].drum_radius:
+            return cls(unit, _WIDTH / 2, _WIDTH / 2, _WIDTH / 2)
         bars = [bar for bar in _BARS if bar <= 2 * half * _LONGEST_BAR]
         return cls(
             unit,
@@ -126,14 +130,6 @@ class Frame:
             _BELOW * high / unit,
             bars[-1] if has_scale and bars else 0.0,
         )
-
-
-@dataclass(frozen=True)
-class Silhouette:
-    """Silhouette of the simulated heap from one side: its SVG path, and a pixel of that, m."""
-
-    path: str
-    pixel_size: float
 
 
 @dataclass(frozen=True)
@@ -146,8 +142,6 @@ class ComparedPicture:
         Its name, and the angle of its flanks with its standard uncertainty.
     heap : int
         Number of its heap.
-    state : str
-        Whether the original is still what was measured.
     image : str
         Address of the kept copy; empty if that is gone.
     place : tuple of float
@@ -158,23 +152,31 @@ class ComparedPicture:
         SVG paths of the outlines; the simulated one is empty without a run.
     apart : str
         Mean distance of the outlines; empty where they are not at one scale.
+    lines : sequence of tuple of float
+        Both ends of lines at the angles in a drum.
+    is_mirrored : bool
+        Whether the picture is mirrored.
+    frames : int
+        Frames or stills that tell the outline; the first is shown.
     """
 
     file: str
     angle: str
     heap: int
-    state: StateOfOriginal
     image: str
     place: tuple[float, float, float, float]
     frame: Frame
     measured: str
     simulated: str
     apart: str
+    lines: Sequence[tuple[float, ...]] = ()
+    is_mirrored: bool = False
+    frames: int = 1
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Photographs of one test beside its simulated heap.
+    """Photographs of one test beside its simulated heap, or drum.
 
     Parameters
     ----------
@@ -192,8 +194,8 @@ class Comparison:
         All pictures, at most twelve.
     left_out : int
         Further ones.
-    silhouette : Silhouette or None
-        Of the simulated heap; None if its particles are gone.
+    drawing : Drawing or None
+        The simulated heap or bed; None if its particles are gone.
     outline : str
         SVG path of the outline of the simulated heap in the frame of both.
     has_scale : bool
@@ -206,6 +208,16 @@ class Comparison:
         Pictures that were not measured, and why.
     folder : Path
         Where copies and overlays are.
+    fitted : sequence of tuple of float
+        Both ends of lines at the angles in the simulated drum.
+    drum : str
+        Diameter of the simulated drum; empty of a heap.
+    drum_radius : float
+        Of both drums, units of the drawing; 0 of a heap.
+    angles : sequence of (str, str, str)
+        Angles in a drum: name, photographed and simulated, °.
+    changed, gone : sequence of str
+        Originals that are others now, and that are not there any more.
     """
 
     title: str
@@ -216,23 +228,19 @@ class Comparison:
     chosen: ComparedPicture
     pictures: Sequence[ComparedPicture]
     left_out: int
-    silhouette: Silhouette | None
+    drawing: Drawing | None
     outline: str
     has_scale: bool
     is_scaled: bool
     relative_size: str
     refused: Sequence[tuple[str, str]]
     folder: Path
-
-    @property
-    def changed(self) -> Sequence[str]:
-        """Pictures whose original is another one now."""
-        return [one.file for one in self.pictures if one.state == "changed"]
-
-    @property
-    def gone(self) -> Sequence[str]:
-        """Pictures whose original is not there any more."""
-        return [one.file for one in self.pictures if one.state == "gone"]
+    fitted: Sequence[tuple[float, ...]]
+    drum: str
+    drum_radius: float
+    angles: Sequence[tuple[str, str, str]]
+    changed: Sequence[str]
+    gone: Sequence[str]
 
 
 def compared(reading: SavedCalibration) -> list[Comparison]:
@@ -271,13 +279,18 @@ def _comparison(
     chosen = min(photographed, key=lambda one: abs(one[1].angle - mean))
     simulated = _simulated(reading, runs)
     has_profile = any(one.response.rpartition(".")[2] == "profile" for one in targets)
+    states = {
+        file: kept.state_of(file, digest)
+        for target in targets
+        for file, digest in target.hashes.items()
+    }
     drawn = _Drawn(kept, simulated.outline)
     ratio = float(np.mean([drawn.relative_size(one) for _, one in photographed]))
     drawn = replace(drawn, is_scaled=not has_profile and abs(ratio - 1) >= _ALIKE)
     shown = [chosen, *(one for one in photographed if one is not chosen)][:_MOST_PICTURES]
     shown.sort(key=lambda one: (one[0], one[1].file))
     pictures = [drawn.compared(heap, picture) for heap, picture in shown]
-    main = drawn.beside(*chosen)
+    main, radius = drawn.beside(*chosen), simulated.outline and simulated.outline.drum_radius
     return Comparison(
         title=plain(test),
         results=list(dict.fromkeys(_result(one.result) for one in targets)),
@@ -287,20 +300,43 @@ def _comparison(
         chosen=main,
         pictures=pictures,
         left_out=len(photographed) - len(shown),
-        silhouette=simulated.silhouette,
+        drawing=simulated.drawing,
         outline="" if simulated.outline is None else simulated.outline.path(main.frame.unit),
         has_scale=chosen[1].scale is not None,
         is_scaled=drawn.is_scaled,
         relative_size="" if abs(ratio - 1) < _ALIKE else number(ratio, 2),
         refused=list(_refused(one.refused for one in targets)),
         folder=kept.folder,
+        fitted=simulated.lines(main.frame.unit),
+        drum=f"{number(2000 * radius, 3)} mm" if radius else "",
+        drum_radius=_WIDTH / 2 / _BESIDE if chosen[1].drum_radius else 0.0,
+        angles=list(_angles(chosen[1], simulated.responses)),
+        changed=[plain(file) for file, state in states.items() if state == "changed"],
+        gone=[plain(file) for file, state in states.items() if state == "gone"],
     )
+
+
+def _angles(
+    picture: KeptPicture, simulated: Mapping[str, Measured]
+) -> Iterator[tuple[str, str, str]]:
+    of_run = scalars(simulated)
+    for name, found in picture.angles.items():
+        run = of_run.get(name)
+        yield (
+            plain(name.replace("_", " ")),
+            _with_error(*found, 2),
+            _with_error(run.value, run.standard_error, 2) if run else "",
+        )
+
+
+def _with_error(value: float, error: float, digits: int = 1) -> str:
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
 def _result(result: str) -> str:
     """Return what pictures tell, without the parts of the uncertainty."""
     shown = re.sub(r" \([^)]*\)", "", result)
-    return plain(shown.replace(" deg", "°").replace("_", " "))
+    return plain(shown.replace(" deg", "°").replace("_", " ")).removesuffix(".") + "."
 
 
 def _refused(of_targets: Iterable[Sequence[KeptPicture]]) -> Iterator[tuple[str, str]]:
@@ -316,11 +352,23 @@ class _Simulated:
     value: str = ""
     run: str = ""
     outline: Outline | None = None
-    silhouette: Silhouette | None = None
+    drawing: Drawing | None = None
+    responses: Mapping[str, Measured] = field(default_factory=dict)
+
+    def lines(self, unit: float) -> list[tuple[float, ...]]:
+        """Return the fitted lines; a unit of the drawing is so many m."""
+        if self.drawing is None or not self.drawing.pixel_size:
+            return []
+        scale = self.drawing.pixel_size / unit
+        return [
+            tuple(scale * end for end in (line.x1, line.y1, line.x2, line.y2))
+            for line in self.drawing.fitted
+        ]
 
 
 def _simulated(reading: SavedCalibration, runs: list[ShownRun]) -> _Simulated:
-    having = [run for run in runs if isinstance(run.record.responses.get("profile"), Curve)]
+    first = next(filter(None, map(_test, runs)), None)
+    having = [run for run in runs if first and first.seen_outline(run.record.responses)]
     if not having:
         return _Simulated()
     candidates, words = runs_to_show(reading, having, shown_target(reading, having))
@@ -330,29 +378,26 @@ def _simulated(reading: SavedCalibration, runs: list[ShownRun]) -> _Simulated:
         f"{words}: run {run.number}",
         f"{shown_response(having)} {_with_unit(reading, run)}",
         run.record.identity,
-        _mirrored(run.record.responses["profile"]),
-        _silhouette(readable[1]) if readable else None,
+        _outline(run),
+        readable[1].before_camera() if readable else None,
+        run.record.responses,
     )
+
+
+def _test(run: ShownRun) -> CanBePhotographed | None:
+    test = recreated(run)
+    return test if isinstance(test, CanBePhotographed) else None
+
+
+def _outline(run: ShownRun) -> Outline | None:
+    test = _test(run)
+    seen = test and test.seen_outline(run.record.responses)
+    return Outline(seen.x, seen.heights, seen.drum_radius) if seen else None
 
 
 def _with_unit(reading: SavedCalibration, run: ShownRun) -> str:
     target = shown_target(reading, [run])
     return with_unit(number(run.value, 3), unit_for_people(target.unit if target else "deg"))
-
-
-def _mirrored(profile: object) -> Outline:
-    assert isinstance(profile, Curve)
-    x, heights = np.asarray(profile.coordinates), np.asarray(profile.values)
-    whole = Outline(np.r_[-x[::-1], x[x > 0]], np.r_[heights[::-1], heights[x > 0]])
-    # Down to the first point on the plate, on both sides.
-    above = np.flatnonzero(whole.heights > 0)
-    shown = slice(max(0, above[0] - 1), above[-1] + 2) if len(above) else slice(None)
-    return Outline(whole.x[shown], whole.heights[shown])
-
-
-def _silhouette(view: RunView) -> Silhouette | None:
-    drawing = view.measured_drawing(None).drawing
-    return None if drawing.pixel_size is None else Silhouette(drawing.path, drawing.pixel_size)
 
 
 @dataclass(frozen=True)
@@ -375,6 +420,9 @@ class _Drawn:
         apart = ""
         if over is not None and picture.scale is not None and over is self.simulated:
             apart = f"{number(1000 * photographed.distance(over), 2)} mm"
+        elif over is not None and over.drum_radius:
+            share = photographed.distance(over) / (2 * over.drum_radius)
+            apart = f"{number(100 * share, 2)} % of the drum's diameter"
         return self._picture(heap, picture, frame, pixel, photographed, over, apart)
 
     def beside(self, heap: int, picture: KeptPicture) -> ComparedPicture:
@@ -387,19 +435,21 @@ class _Drawn:
     def relative_size(self, picture: KeptPicture) -> float:
         """Return how many times as wide the simulated heap is, by the areas of both."""
         photographed, _ = self._photographed(picture)
-        if self.simulated is None:
+        if self.simulated is None or picture.drum_radius:
             return 1.0
         return math.sqrt(self.simulated.area / photographed.area)
 
     def _photographed(self, picture: KeptPicture) -> tuple[Outline, float]:
         """Return the outline of a picture, and the length of a pixel, m.
 
-        Without a known length it has the area of the simulated one.
+        Without a known length it has the area of the simulated one; drums are of one size.
         """
         across, heights = (np.asarray(values) for values in picture.outline)
-        outline = Outline(across, heights)
+        outline = Outline(across, heights, picture.drum_radius)
         pixel = picture.scale
-        if pixel is None:
+        if picture.drum_radius:
+            pixel = (self.simulated.drum_radius if self.simulated else 1.0) / picture.drum_radius
+        elif pixel is None:
             pixel = math.sqrt(self.simulated.area / outline.area) if self.simulated else 1.0
         return outline.times(pixel), pixel
 
@@ -416,15 +466,25 @@ class _Drawn:
         left, right, lower, upper = (edge * pixel / frame.unit for edge in picture.shown)
         return ComparedPicture(
             file=plain(picture.file),
-            angle=f"{picture.angle:.1f} ± {picture.uncertainty:.1f}°",
+            angle=f"{_with_error(picture.angle, picture.uncertainty)}°",
             heap=heap,
-            state=self.kept.state_of(picture),
             image=_image(self.kept.copy_of(picture)),
             place=(left, -upper, right - left, upper - lower),
             frame=frame,
             measured=photographed.path(frame.unit),
             simulated="" if over is None else over.path(frame.unit),
             apart=apart,
+            lines=[
+                (
+                    pixel / frame.unit * x1,
+                    -pixel / frame.unit * y1,
+                    pixel / frame.unit * x2,
+                    -pixel / frame.unit * y2,
+                )
+                for x1, y1, x2, y2 in picture.lines
+            ],
+            is_mirrored=picture.is_mirrored,
+            frames=picture.frames,
         )
 
 

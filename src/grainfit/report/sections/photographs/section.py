@@ -1,4 +1,4 @@
-"""Photographs of the laboratory beside the heaps of the simulation."""
+"""Photographs of the laboratory beside heaps and drums of the simulation."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.photographs.comparison import Comparison, compared
 
-_KEY, _TITLE = "photographs", "Does the simulated heap look like the photographed one?"
+_KEY, _TITLE = "photographs", "Does the simulation look like the photographs?"
 
 
 def photographs(context: ReportContext) -> Section | None:
-    """Each photographed heap beside the simulated one; None when no target is photographed."""
+    """Each photographed heap or drum beside the simulated one; None without photographs."""
     comparisons = compared(context.reading)
     if not comparisons:
         return None
