@@ -334,18 +334,7 @@ def millimetres(length: float) -> str:
     >>> millimetres(0.00286), millimetres(1.2)
     ('2.86 mm', '1200 mm')
     """
-    return f"{number(1000 * length, 3)} mm"
-
-
-def cubic_centimetres(volume: float) -> str:
-    """Return a volume, given in m^3, with three digits in cubic centimetres.
-
-    Examples
-    --------
-    >>> cubic_centimetres(0.00135)
-    '1350 cm³'
-    """
-    return f"{number(1e6 * volume, 3)} cm³"
+    return in_usual_unit(length, "m", 3)
 
 
 def turns_per_minute(speed: float) -> str:
@@ -356,27 +345,7 @@ def turns_per_minute(speed: float) -> str:
     >>> turns_per_minute(1.1073617)
     '10.6 rpm'
     """
-    return f"{number(30 * speed / pi, 3)} rpm"
-
-
-def kilopascals(stress: float) -> str:
-    """Return a stress, given in Pa, with three digits in Pa, kPa or MPa.
-
-    Examples
-    --------
-    >>> kilopascals(500.0), kilopascals(10000.0), kilopascals(2.8e6)
-    ('500 Pa', '10 kPa', '2.8 MPa')
-    """
-    size = next((size for size in (1e6, 1e3) if stress >= size), 1.0)
-    return f"{number(stress / size, 3)} {({1e6: 'MPa', 1e3: 'kPa'}).get(size, 'Pa')}"
-
-
-_USUAL_UNITS: Mapping[str, Sequence[tuple[str, float]]] = {
-    "m": (("mm", 1e-3),),
-    "m^3": (("cm³", 1e-6),),
-    "rad/s": (("rpm", pi / 30),),
-    "Pa": (("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 0.0)),
-}
+    return in_usual_unit(speed, "rad/s", 3)
 
 
 def in_usual_unit(value: float, unit: str, digits: int = 4) -> str:
@@ -386,11 +355,27 @@ def in_usual_unit(value: float, unit: str, digits: int = 4) -> str:
     --------
     >>> in_usual_unit(0.06, "m"), in_usual_unit(2.11e11, "Pa"), in_usual_unit(9.81, "m/s^2")
     ('60 mm', '211 GPa', '9.81 m/s²')
+    >>> in_usual_unit(0.00135, "m^3"), in_usual_unit(500.0, "Pa"), in_usual_unit(10000.0, "Pa")
+    ('1350 cm³', '500 Pa', '10 kPa')
     """
-    for name, size in _USUAL_UNITS.get(unit, ()):
-        if len(_USUAL_UNITS[unit]) == 1 or value >= size:
-            return with_unit(number(value / (size or 1.0), digits), name)
-    return with_unit(number(value, digits), unit_for_people(unit))
+    usual, name = _in_usual_unit(value, unit)
+    return with_unit(number(usual, digits), name)
+
+
+def _in_usual_unit(value: float, unit: str) -> tuple[float, str]:
+    # Factors are whole numbers, which are exact: so a tie is rounded alike wherever it is shown.
+    match unit:
+        case "m":
+            return 1000 * value, "mm"
+        case "m^3":
+            return 1e6 * value, "cm³"
+        case "rad/s":
+            return 30 * value / pi, "rpm"
+        case "Pa":
+            sizes = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"))
+            size, name = next((one for one in sizes if value >= one[0]), (1.0, "Pa"))
+            return value / size, name
+    return value, unit_for_people(unit)
 
 
 def percent(share: float) -> str:

@@ -14,15 +14,7 @@ from grainfit.bulk_tests.instrument import Instrument
 from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.errors import InputError
-from grainfit.formatting import (
-    cubic_centimetres,
-    kilopascals,
-    millimetres,
-    number,
-    plain,
-    turns_per_minute,
-    with_unit,
-)
+from grainfit.formatting import in_usual_unit, number, plain
 from grainfit.materials.walls import PLAIN, on_wall
 from grainfit.options.tables import Key
 from grainfit.scenes.packing import mean_particle_volume
@@ -40,7 +32,6 @@ _MEASURED = ("bulk_density_bottom", "bulk_density_top")
 _ANOTHER_WAY = {"rotational_speed": "froude_number"}
 #: What is filled in, and the option that gives its number.
 _FILLING, _COUNT = "particles", "particle_count"
-_DIGITS = 3
 _LINES = {
     "given": messages.GIVEN,
     "instrument": messages.OF_INSTRUMENT,
@@ -140,7 +131,7 @@ class _Apparatus:
             elif value is None or not _is_of_apparatus(key):
                 continue
             else:
-                shown = _shown(key, value)
+                shown = shown_value(key, value)
             is_named = frictions.get(key.name) in self.walls
             origin = "given" if is_named else self._origin(key.name, value)
             yield self._value(key.name, shown, origin)
@@ -155,11 +146,11 @@ class _Apparatus:
         """Return the friction of a part: its own, that of particles or that of a wall."""
         if value is not None:
             is_named = value == AS_PARTICLES
-            return "as between particles" if is_named else number(float(value), _DIGITS)
+            return "as between particles" if is_named else number(float(value))
         wall = self.walls.get(part, PLAIN)
         known = self.material.get(on_wall(option.replace(f"{part}_", "particle_wall."), wall))
         words = f"of the {wall or 'walls'}"
-        return words if known is None else f"{words}, {number(known, _DIGITS)}"
+        return words if known is None else f"{words}, {number(known)}"
 
     def _filling(self) -> str:
         count = self.test.of_material(self.material).number_of_particles
@@ -167,7 +158,7 @@ class _Apparatus:
         if density is None:
             return str(count)
         mass = count * mean_particle_volume(self.test.sizes) * density
-        return f"{count}, {number(mass, _DIGITS)} kg"
+        return f"{count}, {number(mass)} kg"
 
     def _origin(self, option: str, value: Any) -> Origin:
         if self.given is not None:
@@ -197,21 +188,14 @@ def _is_of_apparatus(key: Key) -> bool:
     return key.name in _OTHERS or (unit in _UNITS and key.name not in _MEASURED)
 
 
-def _shown(key: Key, value: Any) -> str:
-    """Return a value in the unit of a laboratory."""
-    unit = getattr(key.kind, "unit", "")
+def shown_value(key: Key, value: Any) -> str:
+    """Return the value of an option in the unit of a laboratory; "" for one that is not set."""
+    if value is None:
+        return ""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
-        return ", ".join(_shown(key, one) for one in value)
-    if not isinstance(value, int | float):
-        return plain(str(value))
-    if unit == "m":
-        return millimetres(float(value))
-    if unit == "m^3":
-        return cubic_centimetres(float(value))
-    if unit == "rad/s":
-        return turns_per_minute(float(value))
-    if unit == "Pa":
-        return kilopascals(float(value))
-    return with_unit(number(float(value), _DIGITS), str(unit or ""))
+        return ", ".join(filter(None, (shown_value(key, one) for one in value)))
+    if isinstance(value, int | float):
+        return in_usual_unit(float(value), str(getattr(key.kind, "unit", "") or ""))
+    return plain(str(value))

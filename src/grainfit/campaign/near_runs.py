@@ -24,6 +24,7 @@ from grainfit.errors import GrainfitError
 from grainfit.evaluation import Evaluation, Proposal, Response, response_name, scalars
 from grainfit.formatting import (
     counted,
+    in_usual_unit,
     millimetres,
     number,
     short_names,
@@ -157,8 +158,7 @@ def _shown_option(found: RunAtScale, name: str) -> tuple[float, str]:
     if not _is_number(value):
         return 0.0, str(value)
     si = float(value * found.here.scale.of(unit))
-    words = millimetres(si) if unit == "m" else with_unit(number(si, 4), unit_for_people(unit))
-    return si, words
+    return si, in_usual_unit(si, unit)
 
 
 def _differing_options(here: NaturalRun, run: NaturalRun) -> Iterator[str]:
