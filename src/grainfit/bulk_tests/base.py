@@ -22,6 +22,7 @@ from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.refused_factor import with_factor
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.setup import Setup
+from grainfit.bulk_tests.shared.filling import Filling
 from grainfit.checks import Check
 from grainfit.errors import InputError
 from grainfit.evaluation import Measured
@@ -260,6 +261,30 @@ class BulkTest(OneLine, ABC):
         material : mapping of str to float
             Material parameters by dotted name; those with a default may be missing.
         """
+
+    def scene_with(
+        self, material: Mapping[str, float], filling: Filling | None = None, **described: Any
+    ) -> Scene:
+        """Return a scene with the particles, the gravity and the time step of the test.
+
+        Parameters
+        ----------
+        material : mapping of str to float
+            Material parameters by dotted name.
+        filling : Filling, optional
+            Says when particles are at rest, unless the scene does.
+        **described
+            Everything else of the `Scene`.
+        """
+        shared: dict[str, Any] = {
+            "material": material,
+            "sizes": self.sizes,
+            "gravity": float(self.gravity),
+            "time_step": self.time_step(material),
+        }
+        if filling is not None:
+            shared |= {"quiet_speed": filling.quiet_speed, "check_interval": filling.check_interval}
+        return Scene(**(shared | described))
 
     @abstractmethod
     def measure(self, run: RunOutput) -> Mapping[str, Measured]:

@@ -240,10 +240,10 @@ class Compression(BulkTest):
         top = column.height + 1.25 * largest
         side = setup.cylinder_radius + 1.5 * largest
         box = Box((-side, -side, -3 * largest), (side, side, top + 2 * largest))
-        return Scene(
+        return self.scene_with(
+            material,
+            setup.filling,
             title="Compression test, uniaxial and confined",
-            material=material,
-            sizes=self.sizes,
             particles=column,
             box=box,
             walls={
@@ -251,10 +251,6 @@ class Compression(BulkTest):
                 "floor": Wall(Plane("z", 0.0)),
             },
             stages=self._stages(material),
-            gravity=setup.gravity,
-            time_step=self.time_step(material),
-            quiet_speed=setup.filling.quiet_speed,
-            check_interval=setup.filling.check_interval,
             typical_load=self._typical_load(material),
         )
 

@@ -209,18 +209,14 @@ class Discharge(BulkTest):
             box = Box((-side, 0.0, bottom), (side, container.period, top), periodic="y")
         else:
             box = Box((-side, -side, bottom), (side, side, top))
-        return Scene(
+        return self.scene_with(
+            material,
+            filling,
             title=f"Discharge of a {self.title}",
-            material=material,
-            sizes=self.sizes,
             particles=column,
             box=box,
             walls=container.walls(top, largest),
             stages=self._stages(),
-            gravity=float(self.gravity),
-            time_step=self.time_step(material),
-            quiet_speed=filling.quiet_speed,
-            check_interval=filling.check_interval,
         )
 
     def _stages(self) -> tuple[Stage, ...]:

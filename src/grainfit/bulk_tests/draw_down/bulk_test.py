@@ -267,18 +267,14 @@ class DrawDown(BulkTest):
         half = setup.floor_half_width
         rough = friction_of_part(material, self.floor_sliding_friction, self.floor_rolling_friction)
         floor = Block((-half, 0.0, bottom - largest), (half, box.depth, setup.floor))
-        return Scene(
+        return self.scene_with(
+            material,
+            filling,
             title="Draw-down test with a slot",
-            material=material,
-            sizes=self.sizes,
             particles=column,
             box=Box((-side, 0.0, bottom), (side, box.depth, top), periodic="y"),
             walls={**box.walls(top, largest), "floor": Wall(floor, _FLOOR if rough else WALL)},
             stages=self._stages(),
-            gravity=float(self.gravity),
-            time_step=self.time_step(material),
-            quiet_speed=filling.quiet_speed,
-            check_interval=filling.check_interval,
             surfaces={_FLOOR: rough} if rough else {},
         )
 

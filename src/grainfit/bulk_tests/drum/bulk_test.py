@@ -278,10 +278,9 @@ class Drum(BulkTest):
         side = setup.drum_radius + 1.5 * setup.largest
         margin = 1.5 * setup.largest if self.end_caps else 0.0
         low, high = 0.0 - margin, setup.drum_length + margin
-        return Scene(
+        return self.scene_with(
+            material,
             title="Rotating drum",
-            material=material,
-            sizes=self.sizes,
             particles=column,
             box=Box(
                 (low, -side, -side),
@@ -294,8 +293,6 @@ class Drum(BulkTest):
             },
             glued=self._lining(),
             stages=self._stages(),
-            gravity=setup.gravity,
-            time_step=self.time_step(material),
             quiet_speed=natural_speed(self.sizes, setup.gravity),
             check_interval=natural_time(self.sizes, setup.gravity),
         )

@@ -289,10 +289,10 @@ class Funnel(BulkTest):
         side = max(setup.plate_radius, setup.funnel_radius) + 1.5 * largest
         ceiling = top + setup.highest_raise + 2 * largest
         rough = friction_of_part(material, self.plate_sliding_friction, self.plate_rolling_friction)
-        return Scene(
+        return self.scene_with(
+            material,
+            setup.filling,
             title="Funnel test: a poured heap",
-            material=material,
-            sizes=self.sizes,
             particles=replace(column, positions=column.positions + above),
             box=Box((-side, -side, -3 * largest), (side, side, ceiling)),
             walls={
@@ -300,10 +300,6 @@ class Funnel(BulkTest):
                 **plate_walls(setup.plate_radius, setup.rim_height, bool(rough)),
             },
             stages=self._stages(),
-            gravity=float(self.gravity),
-            time_step=self.time_step(material),
-            quiet_speed=setup.filling.quiet_speed,
-            check_interval=setup.filling.check_interval,
             surfaces={PLATE_SURFACE: rough} if rough else {},
         )
 

@@ -309,10 +309,10 @@ class Heap(BulkTest):
         ceiling = top + setup.lift_height + 2 * largest
         cylinder = Cylinder(setup.cylinder_radius, setup.cylinder_gap, top)
         rough = friction_of_part(material, self.plate_sliding_friction, self.plate_rolling_friction)
-        return Scene(
+        return self.scene_with(
+            material,
+            setup.filling,
             title="Heap test with a lifted cylinder",
-            material=material,
-            sizes=self.sizes,
             particles=column,
             box=Box((-side, -side, -3 * largest), (side, side, ceiling)),
             walls={
@@ -320,10 +320,6 @@ class Heap(BulkTest):
                 **plate_walls(setup.plate_radius, setup.rim_height, bool(rough)),
             },
             stages=self._stages(),
-            gravity=setup.gravity,
-            time_step=self.time_step(material),
-            quiet_speed=setup.filling.quiet_speed,
-            check_interval=setup.filling.check_interval,
             surfaces={PLATE: rough} if rough else {},
         )
 

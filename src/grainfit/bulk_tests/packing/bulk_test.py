@@ -167,10 +167,10 @@ class Packing(BulkTest):
         """Return the experiment: a column falls and comes to rest."""
         setup, filling, largest = self.setup, self.setup.filling, self.setup.largest
         top, side = column.height + 1.25 * largest, setup.cylinder_radius + 1.5 * largest
-        return Scene(
+        return self.scene_with(
+            material,
+            filling,
             title="Packing test: a poured container",
-            material=material,
-            sizes=self.sizes,
             particles=column,
             box=Box((-side, -side, -3 * largest), (side, side, top + 2 * largest)),
             walls={
@@ -178,10 +178,6 @@ class Packing(BulkTest):
                 "floor": Wall(Disc(side - largest / 2, 0.0)),
             },
             stages=(filling.stage(setup.settling_time_limit, BED),),
-            gravity=float(self.gravity),
-            time_step=self.time_step(material),
-            quiet_speed=filling.quiet_speed,
-            check_interval=filling.check_interval,
         )
 
     def measure(self, run: RunOutput) -> dict[str, Measured]:

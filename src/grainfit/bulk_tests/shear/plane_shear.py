@@ -162,10 +162,9 @@ class PlaneShear(BulkTest):
         reach = 1.001 * plate.reach
         top = column.height + 2 * reach
         room = 3 * setup.largest
-        return Scene(
+        return self.scene_with(
+            material,
             title=self.deck_title,
-            material=material,
-            sizes=self.sizes,
             particles=column.raised(reach),
             box=Box((0.0, 0.0, -room), (setup.length, setup.depth, top + room), periodic="xy"),
             walls={},
@@ -175,7 +174,6 @@ class PlaneShear(BulkTest):
             },
             stages=self.stages(material, top - setup.gap),
             gravity=0.0,
-            time_step=self.time_step(material),
             quiet_speed=setup.speed(material) * _QUIET,
             check_interval=_LOOK / setup.shear_rate(material),
             typical_load=typical_load(setup.normal_stress, setup.diameter, material),

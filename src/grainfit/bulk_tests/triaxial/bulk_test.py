@@ -246,16 +246,14 @@ class Triaxial(BulkTest):
             for axis, names in SIDES.items()
             for name, place, upwards in zip(names, ends[axis], (True, False), strict=True)
         }
-        return Scene(
+        return self.scene_with(
+            material,
             title="Triaxial test, drained, in a box of six walls",
-            material=material,
-            sizes=self.sizes,
             particles=replace(column, positions=positions, height=height),
             box=Box((-half - room, -half - room, -room), (reach, reach, height + room)),
             walls=walls,
             stages=self._stages(material),
             gravity=0.0,
-            time_step=self.time_step(material),
             quiet_speed=_QUIET * setup.speed(material),
             check_interval=_LOOK * self.sizes.sauter_diameter / setup.speed(material),
             surfaces={
