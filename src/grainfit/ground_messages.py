@@ -1,4 +1,4 @@
-"""Messages on quantities with units, on counts, and on packages that extras install."""
+"""Messages on quantities with units, counts, files to write, and packages of extras."""
 
 from grainfit.messages import Message
 
@@ -26,4 +26,5 @@ UNCERTAINTY = Message(
 NOT_INSTALLED = Message(
     "{user} needs the Python package {package}, which is not installed.", "{remedy}"
 )
+CANNOT_BE_WRITTEN = Message("{path!r} cannot be written: {reason}.")
 NO_COUNT = Message("is {given!r}.", "Give a whole number from 1 on.")

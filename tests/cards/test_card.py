@@ -22,6 +22,7 @@ from exported_beads import FIXED, FREE
 from typer.testing import CliRunner
 
 import grainfit
+from grainfit import ground_messages
 from grainfit.bulk_tests.heap import Heap
 from grainfit.cards import FORMATS, MaterialCard, material_card, messages, render, write_card
 from grainfit.cli import messages as cli_messages
@@ -524,7 +525,7 @@ def test_export_says_in_one_line_what_is_wrong(drum_folder: Path) -> None:
 
 def test_a_card_goes_where_it_is_told_to_or_that_is_said(tmp_path: Path) -> None:
     for place in (tmp_path, tmp_path / "none" / "card", Path("/"), tmp_path / ("x" * 300)):
-        with pytest.raises(InputError, match=messages.CANNOT_BE_WRITTEN.pattern):
+        with pytest.raises(InputError, match=ground_messages.CANNOT_BE_WRITTEN.pattern):
             write_card(place, "card")
     write_card(Path("/dev/null"), "card")
     assert Path("/dev/null").is_char_device(), "a device is written to, never replaced"

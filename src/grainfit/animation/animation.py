@@ -17,7 +17,7 @@ from grainfit.campaign.campaign import CampaignOptions
 from grainfit.contact_models.registry import material_units
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Evaluation, name_of_test
-from grainfit.files import write_atomically
+from grainfit.files import write_atomically, writing
 from grainfit.formatting import assigned, counted, in_a_row, number, plain
 from grainfit.preview.scene_picture import COLOURS
 from grainfit.preview.scene_text import stage_text
@@ -191,14 +191,11 @@ def _animation(
         evaluation.failures.get(test, ""),
     )
     path = folder / PAGE
-    try:
+    with writing(path):
         folder.mkdir(parents=True, exist_ok=True)
         if source != folder:
             shutil.move(source / FILM, folder / FILM)
         write_atomically(path, animation_page(about, drawn))
-    except OSError as error:
-        wrong = {"path": str(path), "reason": error.strerror or error}
-        raise InputError(messages.CANNOT_BE_WRITTEN.fault("", **wrong)) from error
     return Animation(test, path, drawn.frames, path.stat().st_size)
 
 

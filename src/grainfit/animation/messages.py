@@ -6,6 +6,5 @@ NO_SCENE = Message(
     "has no test that can be animated: all are models of your own.",
     "Only grainfit's own scenes tell where particles and walls are.",
 )
-CANNOT_BE_WRITTEN = Message("{path!r} cannot be written: {reason}.")
 OWN_MODEL = Message("a model of your own has no scene to draw")
 NO_FRAMES = Message("there are no frames ({reason})")

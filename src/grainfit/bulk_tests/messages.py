@@ -34,3 +34,7 @@ NO_DIAMETER = Message("is missing.", 'Give diameter="10 mm", or a ParticleSizes.
 DIAMETER_BESIDE_SIZES = Message(
     "is given beside sizes.", 'Give diameter="10 mm", or a ParticleSizes.'
 )
+LENGTH_IS_SHORT = Message(
+    "{value:g} m is less than {fewest:g} of the largest particles ({largest:g} m).",
+    "Use at least {least:g} m.",
+)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
+from grainfit.bulk_tests import messages
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.one_line import one_line
@@ -78,6 +79,15 @@ class Setup:
     def fault_stages(self) -> Iterator[Iterable[Fault]]:
         """Iterate over the stages of what can be impossible; the first one with faults ends it."""
         yield ()
+
+    def short_faults(self, fewest: Mapping[str, float]) -> Iterator[Fault]:
+        """Iterate over options that are shorter than so many of the largest particles."""
+        for name, count in fewest.items():
+            value, least = self.option(name), count * self.largest
+            if value < (1 - 1e-9) * least:
+                yield messages.LENGTH_IS_SHORT.fault(
+                    name, value=value, fewest=count, largest=self.largest, least=least
+                )
 
     def resolve(self) -> None:
         """Resolve every option; functions of defaults are not needed any more."""

@@ -55,7 +55,6 @@ AGREES_UP_TO_BOUND = Message(
     "{parameter} agrees up to its bound {bound} = {value}: a wider interval may fit better."
 )
 NO_INTERVALS = Message("The 95 % intervals of the parameters were not calculated: {why}.")
-NOT_WRITTEN = Message("{path!r} cannot be written: {why}.")
 KNOWN_SCATTER = Message(
     "Scatter that is known before the runs counts as that of {runs} more, where they do not "
     "contradict it: {scatters}."

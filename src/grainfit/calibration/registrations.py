@@ -16,7 +16,7 @@ from typing import Any
 
 from grainfit.calibration import messages
 from grainfit.errors import StoreError
-from grainfit.files import LARGEST_RESULT, read_within, write_atomically
+from grainfit.files import LARGEST_RESULT, read_within, write_atomically, writing
 from grainfit.plain_data import parse_json, read_plain
 from grainfit.problem import Target
 from grainfit.result import Registration
@@ -158,11 +158,8 @@ class HoldoutFile:
         self._content = content
         if (path := self._path) is None:
             return
-        try:
+        with writing(path, StoreError):
             write_atomically(path, json.dumps(asdict(content), indent=1) + "\n")
-        except OSError as error:
-            why = error.strerror
-            raise StoreError(messages.NOT_WRITTEN(path=str(path), why=why)) from error
 
 
 def hash_of_targets(targets: Sequence[Target]) -> str:

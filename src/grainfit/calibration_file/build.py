@@ -33,7 +33,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.evaluation import response_name
 from grainfit.formatting import with_unit
 from grainfit.materials.particle_shape import ASPECT_RATIO
-from grainfit.materials.time_step import RayleighTimeStep
+from grainfit.materials.time_step import RAYLEIGH_NAMES, RayleighTimeStep
 from grainfit.one_line import one_line
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity
@@ -45,8 +45,6 @@ from grainfit.solvers.registry import types_of_test
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.registry import changed
 from grainfit.verdict.options import VERDICT
-
-_RAYLEIGH = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
 
 
 @dataclass(frozen=True)
@@ -144,10 +142,10 @@ class CalibrationSetup:
     def missing_for_time_step(self) -> tuple[str, ...]:
         """Keys that the Rayleigh time step lacks; empty if it is known, or if the file has none."""
         known = {*self.file.fixed, *(parameter.name for parameter in self.file.parameters)}
-        if self.problem.rayleigh is not None or known.isdisjoint(_RAYLEIGH):
+        if self.problem.rayleigh is not None or known.isdisjoint(RAYLEIGH_NAMES):
             return ()
         size = () if self.file.sizes is not None else ("particle.diameter",)
-        return (*(name for name in _RAYLEIGH if name not in known), *size)
+        return (*(name for name in RAYLEIGH_NAMES if name not in known), *size)
 
     @property
     def relative_costs(self) -> list[Relative]:
@@ -499,9 +497,9 @@ def _problem(file: CalibrationFile) -> Problem:
 
 def _rayleigh(file: CalibrationFile) -> RayleighTimeStep | None:
     known = {*file.fixed, *(parameter.name for parameter in file.parameters)}
-    if file.sizes is None or not known.issuperset(_RAYLEIGH):
+    if file.sizes is None or not known.issuperset(RAYLEIGH_NAMES):
         return None
-    fixed = {name: file.fixed[name] for name in _RAYLEIGH if name in file.fixed}
+    fixed = {name: file.fixed[name] for name in RAYLEIGH_NAMES if name in file.fixed}
     shape = file.sizes.shape
     is_free = any(parameter.name == ASPECT_RATIO for parameter in file.parameters)
     if is_free and shape is not None and shape.has_aspect_ratio:

@@ -18,7 +18,7 @@ from grainfit.calibration_file.layout import (
 from grainfit.calibration_file.line_numbers import key_lines
 from grainfit.calibration_file.parameters import MeasuredAngle
 from grainfit.calibration_file.same_simulation import join_evaluations
-from grainfit.calibration_file.toml_faults import toml_fault
+from grainfit.calibration_file.toml_faults import NOT_TOML, toml_fault
 from grainfit.errors import InputError
 from grainfit.files import LARGEST_CALIBRATION_FILE, TooLargeError, line_of, read_within
 from grainfit.options.places import FileFault, Findings, Place
@@ -28,7 +28,6 @@ from grainfit.problem import Parameter
 _DEEP_KEY = re.compile(
     r"""(?<![\w"'-])(?:(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){33}"""
 )
-_NOT_TOML = "It must be a TOML file; docs/reference/calibration_file shows one."
 
 
 def load_calibration_file(
@@ -120,11 +119,11 @@ def parse_text(text: str, path: Path) -> dict[str, Any]:
     deep = _DEEP_KEY.search(text)
     if deep is not None:
         start = text.count("\n", 0, deep.start()) + 1
-        raise _fault(path, "has a key of too many parts.", _NOT_TOML, start)
+        raise _fault(path, "has a key of too many parts.", NOT_TOML, start)
     try:
         return tomllib.loads(text)
     except RecursionError:
-        raise _fault(path, "has brackets nested too deeply.", _NOT_TOML) from None
+        raise _fault(path, "has brackets nested too deeply.", NOT_TOML) from None
     except ValueError as error:
         message, remedy, line = toml_fault(text, error)
         raise _fault(path, message, remedy, line) from None

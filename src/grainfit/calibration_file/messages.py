@@ -210,10 +210,6 @@ FIXED_IN_TABLE = Message(
     "is not a known key.",
     "A fixed parameter is written {key} = {example}; a free one has min and max.",
 )
-BOUNDS_NOT_IN_ORDER = Message(
-    "bounds are {order} (min {low:g}, max {high:g}).", "min must be below max."
-)
-NOT_POSITIVE_ON_LOG_SCALE = Message("is {low:g} on a log scale.", "It must be above 0 there.")
 NO_TANGENT = Message("is not the tangent of an angle.", "Angles measure {known}.")
 NO_INTERVAL = Message("is {given}.", "An interval is written {{ min = ..., max = ... }}.")
 NO_PARAMETER_OF_FILE = Message("is not a parameter of the file.", "{remedy}")

@@ -17,6 +17,7 @@ from grainfit.options.kinds import Choice, Kind, Quantity, Schema, Text
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Parameter
+from grainfit.problem import messages as of_problem
 from grainfit.units import is_unit
 
 _SCALE = Key(
@@ -56,10 +57,10 @@ def _note_bad_bounds(values: Values, place: Place) -> bool:
         return True
     if low >= high:
         word = "equal" if low == high else "swapped"
-        place.fault(messages.BOUNDS_NOT_IN_ORDER, order=word, low=low, high=high)
+        place.fault(of_problem.BOUNDS_NOT_IN_ORDER, order=word, low=low, high=high)
         return True
     if values.get("scale") == "log" and low <= 0:
-        place.at("min").fault(messages.NOT_POSITIVE_ON_LOG_SCALE, low=low)
+        place.at("min").fault(of_problem.NOT_POSITIVE_ON_LOG_SCALE, low=low)
         return True
     return "scale" in values and values["scale"] is None
 

@@ -20,7 +20,7 @@ _TRUTH = ("true", "false", "yes", "no", "on", "off")
 #: Beginnings of what `tomllib` says of a key or a section that is there already.
 _GIVEN_TWICE = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot declare")
 _CLOSED_TABLE = "Cannot mutate immutable namespace"
-_NOT_TOML = "It must be a TOML file; docs/reference/calibration_file shows one."
+NOT_TOML = "It must be a TOML file; docs/reference/calibration_file shows one."
 
 
 def toml_fault(text: str, error: ValueError) -> tuple[str, str, int | None]:
@@ -44,7 +44,7 @@ def toml_fault(text: str, error: ValueError) -> tuple[str, str, int | None]:
         message = f"has a quote that is not closed, in <{written[:60]}>."
         return message, 'Close it, as in diameter = "10 mm".', line
     slip = _of_keys(words, written) or _of_value(written) or _of_brackets(written)
-    return (*(slip or (f"is not valid TOML: {error}.", _NOT_TOML)), line)
+    return (*(slip or (f"is not valid TOML: {error}.", NOT_TOML)), line)
 
 
 def _of_keys(words: str, written: str) -> tuple[str, str] | None:

@@ -18,7 +18,7 @@ from grainfit.cards.other_programs.mfix import MFIX
 from grainfit.cards.other_programs.pfc import PFC
 from grainfit.cards.other_programs.rocky import ROCKY
 from grainfit.errors import InputError
-from grainfit.files import write_atomically
+from grainfit.files import write_atomically, writing
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard
 from grainfit.registration import require_complete
 from grainfit.solvers.dem.lammps.card import render_lammps
@@ -160,11 +160,8 @@ def write_card(path: Path, text: str) -> None:
     InputError
         The file cannot be written.
     """
-    try:
+    with writing(path):
         write_atomically(path, text)
-    except OSError as error:
-        about = {"path": str(path), "reason": error.strerror or error}
-        raise InputError(messages.CANNOT_BE_WRITTEN.fault("", **about)) from error
 
 
 def _why_no_intervals(reading: SavedCalibration) -> tuple[str, ...]:

@@ -25,7 +25,6 @@ SEVERAL_SIMULATIONS = Message(
 # Files.
 EXISTS = Message("{file!r} exists already.", "Choose another name.")
 NOT_REPLACED = Message("{file!r} exists already.", "Replace it with --force.")
-CANNOT_BE_WRITTEN = Message("{file!r} cannot be written: {reason}.")
 WRITTEN = Message("Wrote {file}. Edit it, then: grainfit check {file}")
 NO_REPORT = Message("No report was written ({reason}).", "'grainfit report {folder}' tries again.")
 

@@ -59,7 +59,7 @@ RAYLEIGH_EQUATIONS = (
         "R: radius of the smallest simulated sphere, rho: density of the solid",
     ),
 )
-_NAMES = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
+RAYLEIGH_NAMES = ("particle.density", "particle.youngs_modulus", "particle.poissons_ratio")
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class RayleighTimeStep:
     def faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
         """Return why the intervals have no Rayleigh time step; empty if they have one."""
         found = _value_faults("radius", self.radius, self.radius)
-        for name in _NAMES:
+        for name in RAYLEIGH_NAMES:
             if name in intervals:
                 found += _value_faults(name, *intervals[name])
             elif name in self.fixed:
@@ -133,7 +133,7 @@ class RayleighTimeStep:
             from grainfit.materials.clump_radii import rayleigh_radius
 
             radius *= 2 * rayleigh_radius(self.shape, values[ASPECT_RATIO])
-        return rayleigh_time_step(radius, *(values[name] for name in _NAMES))
+        return rayleigh_time_step(radius, *(values[name] for name in RAYLEIGH_NAMES))
 
     def limits(self, intervals: Mapping[str, tuple[float, float]]) -> tuple[float, float]:
         """Smallest and largest Rayleigh time step that the intervals allow, s."""
@@ -149,7 +149,7 @@ class RayleighTimeStep:
         falls with Young's modulus, so both extremes of these are corners.
         """
         shortest, longest = dict(self.fixed), dict(self.fixed)
-        for name in _NAMES:
+        for name in RAYLEIGH_NAMES:
             if name in intervals:
                 low, high = intervals[name]
                 if name == "particle.youngs_modulus":

@@ -59,7 +59,6 @@ NO_CONDITION = Message(
     "Write name, operator and value, such as 'particle.density > 2000'.",
 )
 UNKNOWN_FORMAT = Message("{path!r} has no known format.", "End it in .csv or .parquet.")
-CANNOT_BE_WRITTEN = Message("{path!r} cannot be written: {why}.")
 RUNS_ARE_A_LINK = Message("{path!r} is a link, and links are not followed.", "Nothing was removed.")
 NOTHING_TO_MEASURE = Message("{path!r} does not exist.", "Name a run folder or a dump.")
 NO_RUN_FOLDER = Message(
@@ -149,7 +148,6 @@ NO_HOLDOUT = Message(
 NO_SUCH_TEST = Message("{given!r} is no test of the file.", "{remedy}")
 WAS_FITTED = Message("was fitted in this calibration.", "Name a test that took no part in it.")
 NO_POSTERIOR = Message("no parameter set agrees with the tests fitted in {folder!r}: {why}")
-NOT_WRITTEN = Message("{path!r} cannot be written: {why}.")
 MATERIAL_UNREADABLE = Message(
     "{path!r} cannot be read: {why}.",
     "Give the work folder of a calibration, a material card (JSON) or a TOML file with values.",

@@ -24,6 +24,7 @@ from grainfit.campaign.cluster.executor import cluster_executor
 from grainfit.campaign.open_campaign import held_store
 from grainfit.campaign.work_folder import RESULT_NAME, default_workdir, simulations_folder
 from grainfit.errors import InputError, StoreError
+from grainfit.files import writing
 from grainfit.options.kinds import suggest
 from grainfit.problem import Problem
 from grainfit.result import HoldoutResult
@@ -211,7 +212,5 @@ def _keep(saved: SavedCalibration, found: Sequence[HoldoutResult]) -> None:
     result, path = read_answer(saved), saved.folder / RESULT_NAME
     names = {one.test for one in found}
     others = [one for one in result.holdouts if one.test not in names]
-    try:
+    with writing(path, StoreError):
         replace(result, holdouts=(*others, *found)).to_json(path)
-    except OSError as error:
-        raise StoreError(messages.NOT_WRITTEN(path=str(path), why=error.strerror)) from error

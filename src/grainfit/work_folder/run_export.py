@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grainfit.errors import InputError
 from grainfit.extras import import_extra
-from grainfit.files import in_place_of
+from grainfit.files import in_place_of, writing
 from grainfit.formatting import spreadsheet_text
 from grainfit.work_folder import messages
 from grainfit.work_folder.run_columns import RunColumns
@@ -52,13 +52,8 @@ def export_runs(path: Path, runs: RunColumns) -> None:
         The format is not known, a package is missing, or the file cannot be written.
     """
     write = writer_for(path)
-    try:
-        with in_place_of(path) as place:
-            write(runs, place)
-    except OSError as error:
-        raise InputError(
-            messages.CANNOT_BE_WRITTEN.fault("", path=str(path), why=error.strerror or error)
-        ) from error
+    with writing(path), in_place_of(path) as place:
+        write(runs, place)
 
 
 def _write_csv(runs: RunColumns, path: Path) -> None:

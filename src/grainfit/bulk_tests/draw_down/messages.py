@@ -14,7 +14,6 @@ FLOOR_IS_NARROW = Message(
 NONE_LEFT = Message("no particles are left")
 ONE_SIDE = Message("all particles are on one side of the slot")
 NO_SHEAR_ANGLE = Message("shear angle: {reason}")
-NO_ANGLE = Message("angle of repose: {reason}")
 SMOOTH_WALLS = Message(
     "with {key} = {value:g}, particles roll on its walls for long, so that runs may fail because "
     "the bed does not come to rest.",

@@ -21,6 +21,7 @@ from grainfit.measurement.inclination import (
     inclination_of_pile,
     inclination_of_wedges,
 )
+from grainfit.measurement.messages import NO_ANGLE
 from grainfit.measurement.particles import Particles
 
 #: Thickness of the slices whose residual masses are compared, in diameters.
@@ -116,7 +117,7 @@ class Surfaces:
         try:
             return inclination_of_pile(self.heap, self.diameter)
         except NotMeasurableError as error:
-            raise NotMeasurableError(messages.NO_ANGLE(reason=error)) from None
+            raise NotMeasurableError(NO_ANGLE(reason=error)) from None
 
     def discharged_share(self, filled: float) -> Response:
         """Return the share of the mass that has left the upper box, and its standard error.

@@ -24,6 +24,7 @@ from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_p
 from grainfit.bulk_tests.shared.plate import PLATE as PLATE_SURFACE
 from grainfit.bulk_tests.shared.plate import (
     ROUGH_PLATE,
+    STEEPEST,
     assumed_plate,
     base_option,
     plate_friction,
@@ -33,7 +34,7 @@ from grainfit.bulk_tests.shared.plate import (
     smooth_plate,
     views_option,
 )
-from grainfit.bulk_tests.shared.responses import heap_profile, heap_responses
+from grainfit.bulk_tests.shared.responses import AT_EDGE, HEAP_PROFILE, heap_responses
 from grainfit.bulk_tests.shared.validity import arch, require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
@@ -56,18 +57,10 @@ from grainfit.scenes.shapes import Cone, Cylinder, Disc
 _BED, _HEAP, _PICTURE = "bed", "heap", "funnel.png"
 #: Stage in which the funnel is open.
 _POUR = "pour"
-#: Why a heap has no shape of its own.
-_AT_EDGE = (
-    "the heap reaches the edge of the plate: use a larger plate_radius, or, if the plate of the "
-    "laboratory is rough, plate_sliding_friction and plate_rolling_friction"
-)
 #: Distance between apex and outlet at which particles still leave the funnel, in diameters.
 _CLEARANCE = 1.5
 #: Largest share of the particles that may stay in an open funnel.
 _LARGEST_REST = 0.02
-
-
-_STEEPEST = 90.0
 
 
 @check("funnel-in-heap", "warning")
@@ -75,7 +68,7 @@ def funnel_in_heap(checked: CheckedTest[Any]) -> Iterator[Found]:
     """Funnels so low that the measured heap grows into them."""
     setup, diameter = checked.test.setup, checked.test.sizes.sauter_diameter
     angle, apex = (checked.targets.get(name) for name in ("angle_of_repose", "heap_height"))
-    if apex is None and angle is not None and 0 < angle < _STEEPEST:
+    if apex is None and angle is not None and 0 < angle < STEEPEST:
         apex = cone_height(setup.heap_volume, angle)
         if setup.is_disc:
             apex = min(apex, setup.plate_radius * math.tan(math.radians(angle)))
@@ -145,7 +138,6 @@ class Funnel(BulkTest):
         ),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = heap_responses(
-        _AT_EDGE,
         {
             "angle_of_repose": RecordedTrials(0.049),
             # Sliding friction has no effect on it beyond its error at the first material.
@@ -153,7 +145,7 @@ class Funnel(BulkTest):
             "heap_height": RecordedTrials(0.027),
         },
     )
-    curves: ClassVar[Mapping[str, CurveInfo]] = {"profile": heap_profile(_AT_EDGE)}
+    curves: ClassVar[Mapping[str, CurveInfo]] = {"profile": HEAP_PROFILE}
 
     poured_volume: Amount | None = option(
         Quantity("m^3", above_zero=True),
@@ -354,7 +346,7 @@ class Funnel(BulkTest):
         view = self._below(end, outlet)
         try:
             self._require_empty(end, outlet)
-            measured = view.measure(picture, "" if self.setup.is_disc else _AT_EDGE)
+            measured = view.measure(picture, "" if self.setup.is_disc else AT_EDGE)
         except RunFailedError as error:
             view.picture(picture, str(error))
             raise

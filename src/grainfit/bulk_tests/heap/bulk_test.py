@@ -32,7 +32,7 @@ from grainfit.bulk_tests.shared.plate import (
     smooth_plate,
     views_option,
 )
-from grainfit.bulk_tests.shared.responses import BULK_DENSITY, heap_profile, heap_responses
+from grainfit.bulk_tests.shared.responses import AT_EDGE, BULK_DENSITY, HEAP_PROFILE, heap_responses
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
@@ -68,11 +68,6 @@ _OUTSIDE_SETUP = (
     "plate_rolling_friction",
     "time_step_fraction",
     "views",
-)
-#: Why a heap has no shape of its own.
-_AT_EDGE = (
-    "the heap reaches the edge of the plate: use a larger plate_radius, or, if the plate of the "
-    "laboratory is rough, plate_sliding_friction and plate_rolling_friction"
 )
 
 
@@ -161,7 +156,6 @@ class Heap(BulkTest):
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
         **heap_responses(
-            _AT_EDGE,
             {
                 # Scatter: 20 seeds on each of three solvers
                 # (`benchmarks/data/solver_agreement.jsonl`).
@@ -172,7 +166,7 @@ class Heap(BulkTest):
             },
         ),
     }
-    curves: ClassVar[Mapping[str, CurveInfo]] = {"profile": heap_profile(_AT_EDGE)}
+    curves: ClassVar[Mapping[str, CurveInfo]] = {"profile": HEAP_PROFILE}
 
     particle_count: int | None = option(
         Whole(1),
@@ -366,7 +360,7 @@ class Heap(BulkTest):
         density = bulk_density(
             bed, setup.cylinder_radius, setup.bulk_density_bottom, setup.bulk_density_top
         )
-        found = heap.measure(picture, "" if setup.is_disc else _AT_EDGE)
+        found = heap.measure(picture, "" if setup.is_disc else AT_EDGE)
         if setup.is_disc:
             heap.require_covered()
         return {"bulk_density": density, **found}

@@ -32,7 +32,7 @@ ROUGH_PLATE: Mapping[str, Amount] = {
 }
 
 #: An angle of which there is no cone, degrees.
-_STEEPEST = 90.0
+STEEPEST = 90.0
 #: Glass beads and rough spheres of 10 mm make no heap at a sliding friction of 0.1 and of 0.15;
 #: without rolling friction glass beads roll on, and rough spheres make a heap of 10 degrees.
 _LEAST = {"sliding": 0.2, "rolling": 0.02}
@@ -140,7 +140,7 @@ def small_plate(checked: CheckedTest[Any]) -> Iterator[Found]:
     angle, radius = (checked.targets.get(name) for name in ("angle_of_repose", "base_radius"))
     if not needed or setup.rim_height > 0 or setup.base == ON_DISC:
         return
-    if radius is None and angle is not None and 0 < angle < _STEEPEST:
+    if radius is None and angle is not None and 0 < angle < STEEPEST:
         radius = expected_foot(setup.heap_volume, angle, diameter)
     if radius is not None and radius > setup.plate_radius - diameter:
         yield (
@@ -178,7 +178,7 @@ def smooth_plate(checked: CheckedTest[Any]) -> Iterator[Found]:
 def assumed_plate(checked: CheckedTest[Any]) -> Iterator[Found]:
     """Plates as smooth as the walls, because the file gives no friction, below a measured heap."""
     angle = checked.targets.get("angle_of_repose")
-    if checked.test.sizes.shape is not None or not angle or angle >= _STEEPEST:
+    if checked.test.sizes.shape is not None or not angle or angle >= STEEPEST:
         return
     wall = checked.walls.get("plate", PLAIN)
     least = {

@@ -17,13 +17,18 @@ BULK_DENSITY = ResponseInfo(
 )
 
 
-def heap_responses(absent: str, trials: Mapping[str, RecordedTrials]) -> dict[str, ResponseInfo]:
+#: Why a heap has no shape of its own.
+AT_EDGE = (
+    "the heap reaches the edge of the plate: use a larger plate_radius, or, if the plate of the "
+    "laboratory is rough, plate_sliding_friction and plate_rolling_friction"
+)
+
+
+def heap_responses(trials: Mapping[str, RecordedTrials]) -> dict[str, ResponseInfo]:
     """Return the responses of a heap on a plate.
 
     Parameters
     ----------
-    absent : str
-        Why a valid run may be without them.
     trials : mapping of str to RecordedTrials
         By response, where they were measured.
     """
@@ -36,7 +41,7 @@ def heap_responses(absent: str, trials: Mapping[str, RecordedTrials]) -> dict[st
             trials.get("angle_of_repose"),
             highest=90.0,
             why="A flank is not steeper than a wall.",
-            absent=absent,
+            absent=AT_EDGE,
         ),
         "base_radius": ResponseInfo(
             "m",
@@ -45,7 +50,7 @@ def heap_responses(absent: str, trials: Mapping[str, RecordedTrials]) -> dict[st
             "the height of its rim",
             '{ value = "130 mm", uncertainty = "2 mm" }',
             trials.get("base_radius"),
-            absent=absent,
+            absent=AT_EDGE,
         ),
         "heap_height": ResponseInfo(
             "m",
@@ -53,25 +58,17 @@ def heap_responses(absent: str, trials: Mapping[str, RecordedTrials]) -> dict[st
             "heap height: highest point of the heap above the plate",
             '{ value = "53 mm", uncertainty = "1 mm" }',
             trials.get("heap_height"),
-            absent=absent,
+            absent=AT_EDGE,
         ),
     }
 
 
-def heap_profile(absent: str) -> CurveInfo:
-    """Return the outline of a heap on a plate as a curve.
-
-    Parameters
-    ----------
-    absent : str
-        Why a valid run may be without it.
-    """
-    return CurveInfo(
-        "m",
-        "z",
-        "height over radius: height of the heap's outline, averaged over both sides of all "
-        "silhouettes",
-        "radius",
-        "m",
-        absent=absent,
-    )
+#: The outline of a heap on a plate.
+HEAP_PROFILE = CurveInfo(
+    "m",
+    "z",
+    "height over radius: height of the heap's outline, averaged over both sides of all silhouettes",
+    "radius",
+    "m",
+    absent=AT_EDGE,
+)

@@ -2,10 +2,6 @@
 
 from grainfit.messages import Message
 
-LENGTH_IS_SHORT = Message(
-    "{value:g} m is less than {fewest:g} of the largest particles ({largest:g} m).",
-    "Use at least {least:g} m.",
-)
 TOO_MANY_PARTICLES = Message(
     "between plates of {length:g} m x {depth:g} m, {gap:g} m apart, are {count:.3g} "
     "particles; at most {most:g} are allowed.",

@@ -149,20 +149,8 @@ class ShearSetup(Setup):
 
     def fault_stages(self) -> Iterator[list[Fault]]:
         """Iterate over what is impossible: the lengths, then the number of particles."""
-        yield [*self._length_faults()]
+        yield [*self.short_faults(_SMALLEST)]
         yield [*self._count_faults()]
-
-    def _length_faults(self) -> Iterator[Fault]:
-        for name, fewest in _SMALLEST.items():
-            value = self.option(name)
-            if value < (1 - 1e-9) * fewest * self.largest:
-                yield messages.LENGTH_IS_SHORT.fault(
-                    name,
-                    value=value,
-                    fewest=fewest,
-                    largest=self.largest,
-                    least=fewest * self.largest,
-                )
 
     def _count_faults(self) -> Iterator[Fault]:
         if self._count > MOST_PARTICLES:

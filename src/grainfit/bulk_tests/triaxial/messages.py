@@ -2,10 +2,6 @@
 
 from grainfit.messages import Message
 
-BOX_IS_SMALL = Message(
-    "{value:g} m is less than {fewest:g} of the largest particles ({largest:g} m).",
-    "Use at least {least:g} m.",
-)
 TOO_MANY_PARTICLES = Message(
     "in a box of {width:g} m x {width:g} m x {height:g} m are {count:.3g} particles; at most "
     "{most:g} are allowed.",

@@ -137,17 +137,9 @@ class TriaxialSetup(Setup):
 
     def fault_stages(self) -> Iterator[list[Fault]]:
         """Iterate over what is impossible: the lengths and strains, then the particles."""
-        yield [*self._length_faults(), *self._strain_faults()]
+        lengths = {"width": _SMALLEST, "height": _SMALLEST}
+        yield [*self.short_faults(lengths), *self._strain_faults()]
         yield [*self._count_faults()]
-
-    def _length_faults(self) -> Iterator[Fault]:
-        least = _SMALLEST * self.largest
-        for name in ("width", "height"):
-            value = self.option(name)
-            if value < (1 - 1e-9) * least:
-                yield messages.BOX_IS_SMALL.fault(
-                    name, value=value, fewest=_SMALLEST, largest=self.largest, least=least
-                )
 
     def _strain_faults(self) -> Iterator[Fault]:
         if self.averaged_strain > self.axial_strain / 2:

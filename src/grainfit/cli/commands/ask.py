@@ -16,6 +16,7 @@ from grainfit.cli.consoles import err, err_remarks, out
 from grainfit.cli.exit_codes import INTERRUPTED
 from grainfit.cli.options import NewCalibrationPath, TestSolver
 from grainfit.errors import InputError
+from grainfit.files import writing
 from grainfit.formatting import plain, plain_lines
 
 if TYPE_CHECKING:
@@ -234,9 +235,6 @@ def _is_ready(interview: Interview, file: Path) -> bool:
 
 def _write_sheet(interview: Interview, sheet: Path) -> None:
     content = interview.record_sheet()
-    try:
+    with writing(sheet):
         sheet.write_bytes(content)
-    except OSError as error:
-        fault = messages.CANNOT_BE_WRITTEN.fault("", file=str(sheet), reason=error.strerror)
-        raise InputError(fault) from None
     out.print(messages.SHEET_WRITTEN(file=sheet), highlight=False, markup=False)

@@ -15,6 +15,7 @@ from grainfit.cli.consoles import out_remarks
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.options import TestSolver
 from grainfit.errors import InputError
+from grainfit.files import writing
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
 
 _Tests = Annotated[
@@ -64,14 +65,12 @@ def new(
 
 
 def _write_new(file: Path, text: str) -> None:
-    try:
-        with file.open("x", encoding="utf-8") as target:
-            target.write(text)
-    except FileExistsError:
-        raise InputError(messages.EXISTS.fault("", file=str(file))) from None
-    except OSError as error:
-        fault = messages.CANNOT_BE_WRITTEN.fault("", file=str(file), reason=error.strerror)
-        raise InputError(fault) from None
+    with writing(file):
+        try:
+            with file.open("x", encoding="utf-8") as target:
+                target.write(text)
+        except FileExistsError:
+            raise InputError(messages.EXISTS.fault("", file=str(file))) from None
 
 
 def _ask_for_material() -> list[str]:
