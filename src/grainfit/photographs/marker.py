@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from reportlab.pdfgen.canvas import Canvas
 
 from grainfit.files import in_place_of
 from grainfit.photographs.pictures import opencv
@@ -112,6 +111,9 @@ def find_marker_sheet(
 
 def write_marker_sheet(path: Path) -> None:
     """Write the sheet as a PDF of one page, to be printed at its own size."""
+    # Imported here: reports read pictures and draw no sheet.
+    from reportlab.pdfgen.canvas import Canvas
+
     cv2 = opencv()
     boxes = []
     for number in MARKERS:
