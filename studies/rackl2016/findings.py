@@ -309,7 +309,7 @@ class Findings:
         if not rows:
             return Goal(words, "", None)
         runs = [row.runs for row in rows]
-        return Goal(words, f"{min(runs)} to {max(runs)} (its budget)", max(runs) <= MOST_RUNS)
+        return Goal(words, f"{min(runs)} to {max(runs)}", max(runs) <= MOST_RUNS)
 
     def _accurate(self) -> Goal:
         words = (

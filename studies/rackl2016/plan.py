@@ -88,12 +88,9 @@ def _sequential(case: Case) -> Task:
             paper_problem(case.width),
             strategy="sequential",
             seed=case.seed,
-            most_search_runs=MOST_SEARCH_RUNS,
-            verification_runs=VERIFICATION_RUNS,
         )
 
-    about = {"width": case.width, "seed": case.seed, "search": MOST_SEARCH_RUNS} | _tolerances()
-    about |= {"verification": VERIFICATION_RUNS}
+    about = {"width": case.width, "seed": case.seed} | _tolerances()
     return Task(task_name("sequential", case), "sequential", about, make, runs=28)
 
 
