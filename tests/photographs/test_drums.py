@@ -579,3 +579,16 @@ def test_a_drum_that_turns_the_other_way_is_shown_mirrored(shot: DrumShot, tmp_p
         assert kept.outline[1][0] < kept.outline[1][-1]
         copies.append(np.asarray(Image.open(tmp_path / "copy.jpg"), dtype=float))
     assert np.abs(copies[0] - copies[1]).mean() < 4 < np.abs(copies[0] - copies[1][:, ::-1]).mean()
+
+
+def test_the_faint_edge_of_a_picture_without_noise_is_a_drum() -> None:
+    # As an instrument saves it: three tones, the drum hardly darker than what is around it.
+    across, down = np.meshgrid(*2 * [np.arange(300) - 149.5])
+    tones = np.where(np.hypot(across, down) < 148, 248, 255)
+    below = down > 0.7 * across + 10
+    tones = np.where(below & (np.hypot(across, down) < 148), 20, tones)
+    picture = np.repeat(tones[..., None].astype(np.uint8), 3, axis=2)
+
+    still = measure_still(Path("plain.png"), picture, None)
+    bed = PhotographedBed(still.turn, still.heights[:1], DrumSize())
+    assert abs(bed.inclinations[0]) == pytest.approx(math.degrees(math.atan(0.7)), abs=0.3)

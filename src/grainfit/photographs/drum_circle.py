@@ -22,6 +22,9 @@ _LENGTH = 160
 #: Distance between the middles that are tried, and between radii, pixels of this picture; and
 #: directions in which a change of colour, in Lab over a pixel, counts as an edge.
 _GRID, _DIRECTIONS, _CHANGE = (3.0, 1.5), 72, 3.0
+#: In pictures that a program has made plain, with less change of brightness than this from pixel to
+#: pixel over half of them, edges count that are so many times fainter.
+_PLAIN, _FAINTER = 0.02, 3.0
 #: Where middles are looked for, over width and height of the picture.
 _MIDDLES = (0.2, 0.8)
 #: Circles that are looked at closely, and by how much they differ, over their radius.
@@ -186,7 +189,13 @@ def _smooth(colours: Colours) -> Floats:
     cv2 = opencv()
     soft = cv2.GaussianBlur(colours, (0, 0), 1.0).astype(np.float32) / 255
     found: Floats = cv2.cvtColor(soft, cv2.COLOR_RGB2LAB)
-    return found
+    return _gain(found) * found
+
+
+def _gain(lab: Floats) -> np.float32:
+    """Return by how much to stretch colours: noise does not hide the faint edges of some."""
+    change = float(np.median(np.abs(np.diff(lab[..., 0], axis=1))))
+    return np.float32(_FAINTER if change < _PLAIN else 1.0)
 
 
 def _guesses(colours: Colours) -> list[DrumCircle]:
@@ -196,7 +205,7 @@ def _guesses(colours: Colours) -> list[DrumCircle]:
     size = (round(colours.shape[1] * factor), round(colours.shape[0] * factor))
     small = cv2.resize(colours, size, interpolation=cv2.INTER_AREA).astype(np.float32) / 255
     lab = cv2.cvtColor(cv2.GaussianBlur(small, (0, 0), 0.8), cv2.COLOR_RGB2LAB)
-    slopes = _slopes(lab)
+    slopes = _slopes(_gain(lab) * lab)
     radii = np.arange(_RADII[0] * min(size), _RADII[1] * min(size), _GRID[1])
     found: list[tuple[float, DrumCircle]] = []
     for row in np.arange(_MIDDLES[0] * size[1], _MIDDLES[1] * size[1], _GRID[0]):
