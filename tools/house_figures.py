@@ -1,5 +1,8 @@
 """Count the house: lines and public names of each room, files of five tasks, stays of five walks.
 
+With another checkout, what came since is counted as well: lines of old abilities then and now, and
+lines of abilities that are new.
+
 python tools/house_figures.py                      print the table of this state
 python tools/house_figures.py --before FOLDER      beside that of another checkout
 python tools/house_figures.py --before FOLDER --write    and put it into its page
@@ -22,6 +25,96 @@ except ImportError:  # Run as a script, from this folder.
 
 PAGE = ROOT / "docs" / "developers" / "house_figures.md"
 BEGIN, END = "<!-- figures of the house -->", "<!-- end of the figures -->"
+SINCE, END_SINCE = "<!-- what came since -->", "<!-- end of what came since -->"
+#: Rooms of 0.2.0 by purpose; the rooms that were made of their modules count with them.
+PURPOSES: Mapping[str, tuple[str, ...]] = {
+    "simulated tests": (
+        *("bulk_tests", "scenes", "solvers", "contact_models", "materials", "measurement"),
+    ),
+    "mathematics of the calibration": (
+        *("metamodels", "strategies", "analysis", "which_test", "calibration"),
+        *("problem", "verdict", "result", "evaluation"),
+    ),
+    "keeping runs": ("campaign", "work_folder"),
+    "calibration file and tables": ("calibration_file", "options", "table_files"),
+    "what users see": ("cli", "report", "plots", "watch", "preview", "animation", "cards"),
+    "contract suites": ("testing",),
+}
+#: Abilities that are new since: what each is for, and its modules.
+ABILITIES: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "photographs, videos, scans, balances": (
+        "measure the laboratory with the code that measures simulations",
+        (
+            *("photographs/*", "photo_page/*", "report/sections/photographs/*"),
+            *("cli/commands/photo.py", "work_folder/heap_scan.py"),
+            *("calibration_file/photo*.py", "calibration_file/drums.py"),
+            *("calibration_file/draw_downs.py", "calibration_file/originals.py"),
+            *("calibration_file/balances.py", "calibration_file/checks/photographs.py"),
+        ),
+    ),
+    "five laboratory tests, instruments": (
+        "poured heap, hopper, tapped density, shear cell, triaxial: each with its procedure",
+        (
+            *(f"bulk_tests/{n}/*" for n in ("funnel", "hopper", "tapped")),
+            *("bulk_tests/shear_cell/*", "bulk_tests/triaxial/*", "measurement/mohr_circles.py"),
+            *("bulk_tests/shared/vessel.py", "bulk_tests/shared/round_container.py"),
+            *("bulk_tests/instrument.py", "calibration_file/checks/instruments.py"),
+            "cli/commands/apparatus.py",
+        ),
+    ),
+    "smaller apparatus, relatives, near runs": (
+        "let cheaper or earlier runs lead the search, and judge at full size",
+        (
+            *("analysis/size_*.py", "analysis/long_runs.py", "analysis/recorded_size.py"),
+            *("bulk_tests/size.py", "calibration/twins.py", "calibration_file/twins.py"),
+            *("calibration_file/relatives.py", "calibration_file/real_size.py"),
+            *("campaign/near_runs.py", "metamodels/relative_prior.py", "verdict/full_size.py"),
+            *("work_folder/size_*.py", "cli/commands/size.py"),
+        ),
+    ),
+    "atlas, estimate": (
+        "answer from runs that ship with grainfit, before the first simulation",
+        (
+            *("atlas/*", "atlas_page/*", "cli/commands/atlas.py", "cli/commands/estimate.py"),
+            *("work_folder/estimate*.py", "work_folder/given_material.py"),
+            "which_test/told_by_atlas.py",
+        ),
+    ),
+    "interview, start page": (
+        "lead from a question to a running calibration, in terminal or browser",
+        (
+            *("interview/*", "start_page/*", "local_pages/*", "showing.py"),
+            *("cli/commands/ask.py", "cli/commands/start.py", "cli/local_page.py"),
+        ),
+    ),
+    "hold-outs": (
+        "predict tests that took no part in the fit, and compare them with measurements",
+        (
+            *("calibration/holdout*.py", "calibration/registrations.py", "result/holdout.py"),
+            *("verdict/holdout.py", "report/sections/holdout/*", "plots/holdout_figures.py"),
+            *("work_folder/predict.py", "cli/commands/predict.py"),
+        ),
+    ),
+    "cards of other programs, sheet of a material": (
+        "bring the answer to six programs that are not run, and on paper",
+        ("cards/other_programs/*", "report/sheet/*", "report/compared/*", "pdf/*"),
+    ),
+    "runs that go on after they were killed": (
+        "continue a long simulation from its last restart file",
+        ("solvers/dem/*restart*", "solvers/dem/*/restart*", "solvers/process/restart*"),
+    ),
+    "linear contacts, published values": (
+        "a second contact law, and starting values with their sources",
+        (
+            *("contact_models/linear/*", "materials/*published*", "materials/material_*.py"),
+            "materials/starting_values.py",
+        ),
+    ),
+    "Windows and macOS, schedulers besides Slurm": (
+        "run where the user is",
+        ("platforms.py", "cli/encoding.py", "campaign/cluster/schedulers.py"),
+    ),
+}
 #: Ways of a parameter; a state has the first of the places that exists there.
 WALKS: Mapping[str, tuple[str, ...]] = {
     "work folder into the report": (
@@ -112,7 +205,7 @@ def table(now: Path, before: Path | None = None) -> str:
 def _figures(checkout: Path) -> dict[str, str]:
     source = checkout / "src"
     found = modules(source)
-    lines = {name: len(path.read_text("utf-8").splitlines()) for name, path in found.items()}
+    lines = {name: _length(path) for name, path in found.items()}
     rooms = Counter[str]()
     for name, count in lines.items():
         room = found[name].relative_to(source / "grainfit").parts
@@ -120,12 +213,68 @@ def _figures(checkout: Path) -> dict[str, str]:
     tests = (checkout / "tests").rglob("*.py")
     return {
         "lines of `src`": f"{sum(lines.values()):,}",
-        "lines of `tests`": f"{sum(len(path.read_text('utf-8').splitlines()) for path in tests):,}",
+        "lines of `tests`": f"{sum(map(_length, tests)):,}",
         "public functions and classes": f"{sum(_public_names(found.values())):,}",
         **{f"files to {task}": _files(checkout, task) for task in TASKS},
         **{f"stays: {name}": _stays(source, starts) for name, starts in WALKS.items()},
         **{f"lines of {room}": f"{count:,}" for room, count in rooms.most_common()},
     }
+
+
+def since(now: Path, before: Path) -> str:
+    """Return the lines of old abilities then and now, and those of new ones, as Markdown."""
+    old, new = _purposes(before), _purposes(now)
+    added = {name: _lines(now, globs) for name, (_, globs) in ABILITIES.items()}
+    purposes = [*PURPOSES, "modules of the ground"]
+    rows = [["of 0.2.0:", "", ""]]
+    rows += [[name, f"{old[name]:,}", f"{new[name]:,}"] for name in purposes]
+    rows += [["together", f"{sum(old.values()):,}", f"{sum(new.values()):,}"]]
+    rows += [["of which catalogues of messages", *map(_catalogues, (before, now))]]
+    rows += [["new since:", "", ""]]
+    for name, (purpose, _) in sorted(ABILITIES.items(), key=lambda one: -added[one[0]]):
+        rows.append([f"{name}: {purpose}", "-", f"{added[name]:,}"])
+    rows += [["together", "-", f"{sum(added.values()):,}"]]
+    heads = [["lines of `src`", "before", "now"], ["---", "---:", "---:"]]
+    return "\n".join("| " + " | ".join(row) + " |" for row in [*heads, *rows])
+
+
+def _purposes(checkout: Path) -> Counter[str]:
+    """Count the lines of the old abilities by their purpose."""
+    of_room = {room: name for name, rooms in PURPOSES.items() for room in rooms}
+    package = checkout / "src" / "grainfit"
+    added = {path for _, globs in ABILITIES.values() for path in _files_of(checkout, globs)}
+    counts = Counter[str]()
+    for path in {*package.rglob("*.py")} - added:
+        counts[of_room.get(path.relative_to(package).parts[0], "modules of the ground")] += _length(
+            path
+        )
+    return counts
+
+
+def _catalogues(checkout: Path) -> str:
+    added = {path for _, globs in ABILITIES.values() for path in _files_of(checkout, globs)}
+    found = {*(checkout / "src").rglob("*messages.py")} - added
+    return f"{sum(map(_length, found)):,}" if found else "-"
+
+
+def _lines(checkout: Path, globs: Iterable[str]) -> int:
+    return sum(map(_length, _files_of(checkout, globs)))
+
+
+def _files_of(checkout: Path, globs: Iterable[str]) -> set[Path]:
+    package = checkout / "src" / "grainfit"
+    found = {name: {*package.glob(name)} for name in globs}
+    assert checkout != ROOT or all(found.values()), [name for name, of in found.items() if not of]
+    return {
+        path
+        for top in set().union(*found.values())
+        for path in ([top] if top.is_file() else top.rglob("*.py"))
+        if path.suffix == ".py"
+    }
+
+
+def _length(path: Path) -> int:
+    return len(path.read_text("utf-8").splitlines())
 
 
 def _public_names(paths: Iterable[Path]) -> Iterator[int]:
@@ -162,12 +311,14 @@ def main() -> None:
     parser.add_argument("--before", type=Path, metavar="FOLDER", help="another checkout")
     parser.add_argument("--write", action="store_true", help=f"into {PAGE.relative_to(ROOT)}")
     given = parser.parse_args()
-    text = table(ROOT, given.before)
-    print(text)
-    if given.write:
-        page = PAGE.read_text(encoding="utf-8")
-        head, _, rest = page.partition(BEGIN)
-        PAGE.write_text(f"{head}{BEGIN}\n\n{text}\n\n{END}{rest.partition(END)[2]}", "utf-8")
+    texts = {(BEGIN, END): table(ROOT, given.before)}
+    if given.before:
+        texts[SINCE, END_SINCE] = since(ROOT, given.before)
+    for (begin, end), text in texts.items():
+        print(text, end="\n\n")
+        if given.write:
+            head, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
+            PAGE.write_text(f"{head}{begin}\n\n{text}\n\n{end}{rest.partition(end)[2]}", "utf-8")
 
 
 if __name__ == "__main__":
