@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeAlias, TypeVar
 
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 #: A note is good to know. A warning says that runs may fail, or that results may mislead.
 Severity = Literal["note", "warning"]
@@ -53,7 +53,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Check(Generic[_AnyContext]):
+class Check(Generic[_AnyContext], OneLine):
     """A check with its name; see `check`.
 
     Parameters
@@ -67,8 +67,6 @@ class Check(Generic[_AnyContext]):
     find : callable
         Yields keys and texts for a context.
     """
-
-    __repr__ = one_line
 
     name: str
     severity: Severity

@@ -18,16 +18,13 @@ _shortened.maxdict = _shortened.maxtuple = _shortened.maxlist = 3
 def one_line(instance: Any) -> str:
     """Return the class of an object with those of its fields that are not at their default.
 
-    For a class: ``__repr__ = one_line``.
-
     Examples
     --------
     >>> from dataclasses import dataclass
     >>> @dataclass
-    ... class Heap:
+    ... class Heap(OneLine):
     ...     diameter: float
     ...     photographs: int = 4
-    ...     __repr__ = one_line
     >>> Heap(0.01)
     Heap(diameter=0.01)
     """
@@ -68,9 +65,14 @@ def _is_same(value: Any, default: Any) -> bool:
 
 
 class OneLine:
-    """Base of classes whose subclasses, data classes too, are shown in one line."""
+    """Base of classes whose subclasses, data classes too, are shown in one line.
+
+    A subclass with a representation of its own keeps it.
+    """
 
     def __init_subclass__(cls, **options: Any) -> None:
         """Set the representation before a data class makes one of its own."""
         super().__init_subclass__(**options)
-        cls.__repr__ = one_line  # type: ignore[method-assign]
+        is_inherited = cls.__repr__ in (object.__repr__, one_line)
+        if "__repr__" not in vars(cls) and (is_inherited or OneLine in cls.__bases__):
+            cls.__repr__ = one_line  # type: ignore[method-assign]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:
@@ -15,13 +15,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class OpenedCalibration(SavedCalibration):
+class OpenedCalibration(SavedCalibration, OneLine):
     """A saved calibration that also gives advice and creates its material card and its report.
 
     A subclass, because the packages of cards and reports depend on that of work folders.
     """
-
-    __repr__ = one_line
 
     def advise(self, **options: Any) -> Advice:
         """Compute which further test would settle the parameters that the runs leave open.

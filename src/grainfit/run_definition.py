@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 #: Keys in the JSON of a definition; parameters of built-in tests are under "material". Both are as
 #: in version 0.1.0, so that identities of runs stay valid across versions.
@@ -42,7 +42,7 @@ def without_defaults(
 
 
 @dataclass(frozen=True)
-class RunDefinition:
+class RunDefinition(OneLine):
     """Everything that determines the outcome of a run.
 
     Runs of one model differ only in parameters and seed, so a run can be reused for a problem if
@@ -65,8 +65,6 @@ class RunDefinition:
     >>> RunDefinition.from_json(run.to_json()) == run
     True
     """
-
-    __repr__ = one_line
 
     model: Mapping[str, Any]
     parameters: Mapping[str, float]

@@ -23,14 +23,14 @@ from grainfit.metamodels.known_runs import (
     nearest_runs,
 )
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Problem
 from grainfit.result import MetamodelQuality, ParameterInterval
 from grainfit.strategies.answer import metamodel_quality
 
 
 @dataclass(frozen=True)
-class Analysis:
+class Analysis(OneLine):
     """Results of all analyses of a calibration's runs.
 
     Attributes
@@ -53,8 +53,6 @@ class Analysis:
     notes : tuple of str
         Notes for the reader, such as why a part is missing.
     """
-
-    __repr__ = one_line
 
     metamodels: Metamodels | None = None
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)

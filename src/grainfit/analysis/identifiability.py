@@ -15,7 +15,7 @@ from grainfit.analysis import messages
 from grainfit.analysis.intervals import parameter_intervals
 from grainfit.analysis.posterior import Posterior
 from grainfit.formatting import ends, in_a_row, number, unit_for_people, with_unit
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Parameter, Problem
 from grainfit.result import ParameterInterval
 from grainfit.which_test.determination import DETERMINED, bound_reached, narrowing
@@ -39,7 +39,7 @@ _PARTS, _EMPTY = 20, 0.1
 
 
 @dataclass(frozen=True)
-class Direction:
+class Direction(OneLine):
     """A direction in the unit cube, and the uncertainty along it.
 
     Attributes
@@ -53,15 +53,13 @@ class Direction:
         Whether the narrowing is 0.25 or less.
     """
 
-    __repr__ = one_line
-
     components: dict[str, float]
     narrowing: float
     determined: bool
 
 
 @dataclass(frozen=True)
-class Identifiability:
+class Identifiability(OneLine):
     """Parameters that the tests determine, and those that they leave open.
 
     Attributes
@@ -76,8 +74,6 @@ class Identifiability:
     further_tests : tuple of str
         Sentences about further bulk tests that would determine the open parameters.
     """
-
-    __repr__ = one_line
 
     directions: tuple[Direction, ...]
     narrowing: dict[str, float]

@@ -20,7 +20,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Target
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.tables import Summary, TextTable
@@ -69,7 +69,7 @@ class ModulusRow:
 
 
 @dataclass(frozen=True)
-class ModulusStudy(Summary):
+class ModulusStudy(Summary, OneLine):
     """Responses of a material at several Young's moduli.
 
     Parameters
@@ -85,8 +85,6 @@ class ModulusStudy(Summary):
     curves : tuple of str
         Measured curves, which are not compared.
     """
-
-    __repr__ = one_line
 
     rows: tuple[ModulusRow, ...]
     targets: tuple[Target, ...]

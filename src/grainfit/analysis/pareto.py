@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import log_time_steps, with_long_steps
 from grainfit.metamodels.unit_cube import gauss_newton, spread_points
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Problem
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ _ABSOLUTE_GAIN = 1e-4
 
 
 @dataclass(frozen=True)
-class ParetoFront:
+class ParetoFront(OneLine):
     """Parameter sets of which none has both a larger time step and a smaller misfit.
 
     Attributes
@@ -51,8 +51,6 @@ class ParetoFront:
     responses : ndarray, shape (k, number of targets)
         Expected responses.
     """
-
-    __repr__ = one_line
 
     time_steps: Array
     misfits: Array

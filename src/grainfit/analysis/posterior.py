@@ -18,7 +18,7 @@ from grainfit.extras import import_extra
 from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.likelihood import log_density
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Parameter, Problem
 from grainfit.student import LEVEL
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Posterior:
+class Posterior(OneLine):
     """A sample of the parameter sets that agree with the measurements.
 
     Attributes
@@ -48,8 +48,6 @@ class Posterior:
     chains : ndarray, shape (walkers, steps, d)
         All steps of the walkers of emcee from which the sample is taken, SI.
     """
-
-    __repr__ = one_line
 
     parameters: tuple[Parameter, ...]
     points: Array

@@ -28,7 +28,7 @@ from grainfit.formatting import (
     plain_interval,
 )
 from grainfit.metamodels.curve_reduction import about_short_curves, values_at
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import CurveTarget, Target
 from grainfit.tables import Summary, TextTable
 from grainfit.verdict.rule import useless_scatter
@@ -42,7 +42,7 @@ _TOLERANCE = 2.0
 
 
 @dataclass(frozen=True)
-class ResponseScatter:
+class ResponseScatter(OneLine):
     """Mean and scatter of one response over seeds.
 
     Parameters
@@ -56,8 +56,6 @@ class ResponseScatter:
     unit : str
         Unit of the response.
     """
-
-    __repr__ = one_line
 
     name: str
     values: tuple[float, ...]
@@ -104,7 +102,7 @@ class ResponseScatter:
 
 
 @dataclass(frozen=True)
-class RepeatedRuns(Summary):
+class RepeatedRuns(Summary, OneLine):
     """Runs of every test at one parameter set with several seeds.
 
     Parameters
@@ -120,8 +118,6 @@ class RepeatedRuns(Summary):
     curves : tuple of CurveScatter
         Those that were measured.
     """
-
-    __repr__ = one_line
 
     responses: tuple[ResponseScatter, ...]
     parameters: Mapping[str, float]

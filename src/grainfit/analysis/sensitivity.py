@@ -15,7 +15,7 @@ from grainfit.formatting import in_a_row
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _LARGEST_UNCERTAINTY = 0.5
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class Sensitivity(OneLine):
     """Sobol' indices of all responses, with 95 % intervals that hold the metamodel's error.
 
     All arrays have the shape (number of targets, d); all numbers are shares of the variance of
@@ -55,8 +55,6 @@ class Sensitivity:
     scopes : tuple of tuple of str
         Parameters that the test of each target depends on; empty if all targets depend on all.
     """
-
-    __repr__ = one_line
 
     names: tuple[str, ...]
     responses: tuple[str, ...]

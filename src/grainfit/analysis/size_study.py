@@ -19,7 +19,7 @@ from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.formatting import duration, in_unit, plain_interval
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.tables import Summary, TextTable
@@ -227,7 +227,7 @@ class SizesOfTest:
 
 
 @dataclass(frozen=True)
-class SizeStudy(Summary):
+class SizeStudy(Summary, OneLine):
     """Responses of a material in apparatus of several sizes.
 
     Parameters
@@ -239,8 +239,6 @@ class SizeStudy(Summary):
     seeds : int
         Runs of each size.
     """
-
-    __repr__ = one_line
 
     tests: tuple[SizesOfTest, ...]
     parameters: Mapping[str, float]

@@ -24,7 +24,7 @@ from grainfit.metamodels.importance_sampling import (
     weighted_quantiles,
 )
 from grainfit.metamodels.likelihood import Likelihood, log_prior
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.program import DeckSolver
@@ -100,7 +100,7 @@ class EstimatedResponse:
 
 
 @dataclass(frozen=True)
-class Estimate(Summary):
+class Estimate(Summary, OneLine):
     """Parameters that agree with the measurements by the atlas: nothing was simulated for them.
 
     Parameters
@@ -124,8 +124,6 @@ class Estimate(Summary):
     points, weights : ndarray
         Sample of the parameters, shape (n, d), in the unit cube, and its weights.
     """
-
-    __repr__ = one_line
 
     parameters: tuple[EstimatedParameter, ...]
     responses: tuple[EstimatedResponse, ...]

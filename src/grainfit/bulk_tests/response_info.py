@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.options.kinds import Quantity
 
 
@@ -40,7 +40,7 @@ class MeasuredInfo:
 
 
 @dataclass(frozen=True)
-class ResponseInfo(MeasuredInfo):
+class ResponseInfo(MeasuredInfo, OneLine):
     """A response of a bulk test that is one number.
 
     Parameters
@@ -61,8 +61,6 @@ class ResponseInfo(MeasuredInfo):
         What a value of exactly 0 means, where it is easily taken for another one.
     """
 
-    __repr__ = one_line
-
     example: str
     trials: RecordedTrials | None = None
     lowest: float = -math.inf
@@ -78,7 +76,7 @@ class ResponseInfo(MeasuredInfo):
 
 
 @dataclass(frozen=True)
-class CurveInfo(MeasuredInfo):
+class CurveInfo(MeasuredInfo, OneLine):
     """A response of a bulk test over a coordinate.
 
     Parameters
@@ -88,8 +86,6 @@ class CurveInfo(MeasuredInfo):
     coordinate, coordinate_unit : str
         Name and SI unit of the coordinate.
     """
-
-    __repr__ = one_line
 
     coordinate: str
     coordinate_unit: str

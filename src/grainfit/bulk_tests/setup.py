@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from grainfit.bulk_tests import messages
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.options.fields import derived_defaults
 
 
@@ -23,7 +23,7 @@ class HasOptions(Protocol):
         """Return the value of every option as it was given, None for many of the defaults."""
 
 
-class Setup:
+class Setup(OneLine):
     """Geometry and procedure of a bulk test: an attribute for every option, in SI units.
 
     A default that follows from the particles and from other options is resolved once, when it is
@@ -35,8 +35,6 @@ class Setup:
     test : BulkTest
         The test.
     """
-
-    __repr__ = one_line
 
     def __init__(self, test: HasOptions) -> None:
         self.sizes = test.sizes

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 if TYPE_CHECKING:
     from grainfit.bulk_tests.base import BulkTest
 
 
 @dataclass(frozen=True)
-class OverlapLaw:
+class OverlapLaw(OneLine):
     """Excess of a bulk density over that of stiff particles, as measured.
 
     Interpolated in the logarithm of the stiffness number, and extrapolated to softer particles than
@@ -34,8 +34,6 @@ class OverlapLaw:
         Stiffness numbers and relative excesses, from the softest particles to the stiffest, whose
         excess is zero.
     """
-
-    __repr__ = one_line
 
     symbol: str
     measured: tuple[tuple[float, float], ...]

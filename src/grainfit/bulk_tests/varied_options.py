@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Range:
 
 
 @dataclass(frozen=True)
-class VariedOptions:
+class VariedOptions(OneLine):
     """Options of a test that the rows of the atlas vary.
 
     Parameters
@@ -92,8 +92,6 @@ class VariedOptions:
     left : tuple of str
         Those of them that keep their own default at every size.
     """
-
-    __repr__ = one_line
 
     size_option: str
     size: Range

@@ -21,7 +21,7 @@ from grainfit.calibration.scopes import restricted_to_used
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.designs import maximin_latin_hypercube
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.result import HoldoutResult, Registration
 from grainfit.result.holdout import Basis
@@ -41,7 +41,7 @@ _MOST_SETS = 1000
 
 
 @dataclass(frozen=True)
-class Holdout:
+class Holdout(OneLine):
     """A test that takes no part in the fit, and is predicted afterwards.
 
     Parameters
@@ -58,8 +58,6 @@ class Holdout:
     timeout : float, optional
         Longest wall time of a run, s; by default that of the solver.
     """
-
-    __repr__ = one_line
 
     name: str
     solver: Solver | Callable[..., Mapping[str, float]]

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from grainfit.calibration.runs_to_come import RunsToCome
 from grainfit.campaign.pending import ClusterJob, PendingRun
 from grainfit.evaluation import Evaluation
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 
 @dataclass(frozen=True)
-class Progress:
+class Progress(OneLine):
     """State of a running calibration.
 
     Parameters
@@ -43,8 +43,6 @@ class Progress:
     jobs : sequence of ClusterJob
         Jobs of a cluster in which they execute.
     """
-
-    __repr__ = one_line
 
     stage: str
     done: int

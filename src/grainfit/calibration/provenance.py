@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 
 @dataclass(frozen=True)
-class Provenance:
+class Provenance(OneLine):
     """The calibration file and its values for the material.
 
     It does not influence the simulations.
@@ -28,8 +28,6 @@ class Provenance:
     pictures : mapping of str to mapping of str to str
         Hashes of the photographs that the targets were measured on, by response and file.
     """
-
-    __repr__ = one_line
 
     file: str = ""
     text: str = ""

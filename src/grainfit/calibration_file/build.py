@@ -34,7 +34,7 @@ from grainfit.evaluation import response_name
 from grainfit.formatting import with_unit
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.time_step import RAYLEIGH_NAMES, RayleighTimeStep
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.options.fields import option_keys
 from grainfit.options.kinds import Quantity
 from grainfit.problem import Problem, Relative
@@ -48,7 +48,7 @@ from grainfit.verdict.options import VERDICT
 
 
 @dataclass(frozen=True)
-class CalibrationSetup:
+class CalibrationSetup(OneLine):
     """A calibration that is ready to run.
 
     Parameters
@@ -69,8 +69,6 @@ class CalibrationSetup:
     holdouts : tuple of Holdout
         Tests that take no part in the fit.
     """
-
-    __repr__ = one_line
 
     file: CalibrationFile
     problem: Problem

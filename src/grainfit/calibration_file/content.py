@@ -15,7 +15,7 @@ from grainfit.calibration_file.photographed import PhotographedTarget
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.evaluation import response_name
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import CurveTarget, Parameter, Target
 from grainfit.problem.correlations import Correlation
 from grainfit.strategies.base import Strategy
@@ -39,7 +39,7 @@ class PlannedTarget:
 
 
 @dataclass(frozen=True)
-class TestSpecification:
+class TestSpecification(OneLine):
     """One bulk test of a calibration file.
 
     Parameters
@@ -71,8 +71,6 @@ class TestSpecification:
         Options that the file gives beside an instrument; None without one, where it gives all.
     """
 
-    __repr__ = one_line
-
     # Keeps pytest from taking it for a class of tests.
     __test__: ClassVar[bool] = False
 
@@ -96,7 +94,7 @@ class TestSpecification:
 
 
 @dataclass(frozen=True)
-class SearchOptions(CalibrationOptions):
+class SearchOptions(CalibrationOptions, OneLine):
     """Content of ``[strategy]``; None where the file leaves the default.
 
     Parameters
@@ -117,8 +115,6 @@ class SearchOptions(CalibrationOptions):
         Whether the search begins where the atlas expects the answer.
     """
 
-    __repr__ = one_line
-
     strategy: Strategy = field(default_factory=Sequential)
     rayleigh_weight: float | None = None
     softer: float | None = None
@@ -129,7 +125,7 @@ class SearchOptions(CalibrationOptions):
 
 
 @dataclass(frozen=True)
-class CalibrationFile:
+class CalibrationFile(OneLine):
     """Content of a calibration file that has no faults.
 
     Parameters
@@ -162,8 +158,6 @@ class CalibrationFile:
     photographs : tuple of PhotographedTarget
         What was measured on the photographs of each target.
     """
-
-    __repr__ = one_line
 
     name: str
     path: Path

@@ -29,7 +29,7 @@ from grainfit.contact_models.contact import Contact, Springs
 from grainfit.materials.equations import Convention, Equation
 from grainfit.materials.parameters import MaterialParameter
 from grainfit.materials.walls import same_on_walls
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 #: Share of the safe time step that is safe for cohesive beds too, whose particles overlap by at
 #: most `LARGEST_OVERLAP` without a load: their contacts are stiffer, and more in number.
@@ -86,7 +86,7 @@ class Attraction:
 
 
 @dataclass(frozen=True)
-class ContactModel:
+class ContactModel(OneLine):
     """A part of the contact law of a material.
 
     Parameters
@@ -120,8 +120,6 @@ class ContactModel:
     attraction : callable, optional
         Attraction of a contact, of models of cohesion.
     """
-
-    __repr__ = one_line
 
     name: str
     title: str
@@ -195,7 +193,7 @@ class ContactModel:
 
 
 @dataclass(frozen=True)
-class ContactLaw:
+class ContactLaw(OneLine):
     """The contact models that act between the particles of a material, and on its walls.
 
     Parameters
@@ -203,8 +201,6 @@ class ContactLaw:
     models : tuple of ContactModel
         One of each kind, in the order of `KINDS`.
     """
-
-    __repr__ = one_line
 
     models: tuple[ContactModel, ...]
 

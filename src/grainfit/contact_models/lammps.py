@@ -8,13 +8,11 @@ from typing import ClassVar
 
 from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 
-class LammpsKeywords(SolverKeywords, ABC):
+class LammpsKeywords(SolverKeywords, ABC, OneLine):
     """Keywords of a contact model for LAMMPS."""
-
-    __repr__ = one_line
 
     solver: ClassVar[str] = "lammps"
     #: Meaning of the coefficients in short, for a comment in a deck.

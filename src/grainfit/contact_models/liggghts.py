@@ -8,13 +8,13 @@ from typing import ClassVar, Generic, TypeVar
 
 from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
-class LiggghtsKeywords(SolverKeywords):
+class LiggghtsKeywords(SolverKeywords, OneLine):
     """Keywords of a contact model for LIGGGHTS.
 
     Parameters
@@ -27,8 +27,6 @@ class LiggghtsKeywords(SolverKeywords):
     dashpot_difference : str
         See `SolverKeywords`.
     """
-
-    __repr__ = one_line
 
     solver: ClassVar[str] = "liggghts"
     model: str

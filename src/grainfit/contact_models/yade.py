@@ -12,7 +12,7 @@ from typing import ClassVar, NamedTuple
 
 from grainfit.contact_models.base import ContactLaw, SolverKeywords
 from grainfit.contact_models.contact import Contact
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 
 class YadeArgument(NamedTuple):
@@ -31,14 +31,12 @@ class YadeFunctors(NamedTuple):
     law: str
 
 
-class YadeKeywords(SolverKeywords, ABC):
+class YadeKeywords(SolverKeywords, ABC, OneLine):
     """Keywords of a contact model for YADE.
 
     Without a ``MatchMaker``, a functor has one number for all contacts: that of two equal
     particles of mean size. Decks and cards write those of walls into the contacts themselves.
     """
-
-    __repr__ = one_line
 
     solver: ClassVar[str] = "yade"
     #: Of a model of normal and tangential force.

@@ -12,13 +12,13 @@ from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import messages
 from grainfit.evaluation.names import ALL_RUNS, name_of_test, names_of_tests, response_name
 from grainfit.evaluation.response import Curve, Response
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 Stage = Literal["design", "optimisation", "verification"]
 
 
 @dataclass(frozen=True)
-class Proposal:
+class Proposal(OneLine):
     """A parameter set to simulate once, in every test or in some of them.
 
     Parameters
@@ -33,8 +33,6 @@ class Proposal:
         Names of the tests; None for every test.
     """
 
-    __repr__ = one_line
-
     parameters: Mapping[str, float]
     seed: int
     stage: Stage
@@ -46,7 +44,7 @@ class Proposal:
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class Evaluation(OneLine):
     """Outcome of a proposal.
 
     Parameters
@@ -80,8 +78,6 @@ class Evaluation:
         Parameters of the record that the runs of a test have read, by name of the test, where they
         are not those of the proposal.
     """
-
-    __repr__ = one_line
 
     proposal: Proposal
     responses: Mapping[str, Response]

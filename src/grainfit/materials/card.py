@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.verdict.messages import STATUS_WORDS
 
 Origin = Literal["calibrated", "not calibrated", "measured", "given"]
@@ -15,7 +15,7 @@ _NOT_ENDED = "it was started again and has not come to its end"
 
 
 @dataclass(frozen=True)
-class CardParameter:
+class CardParameter(OneLine):
     """A parameter of the material.
 
     Parameters
@@ -35,8 +35,6 @@ class CardParameter:
         Reason why the value is biased, as far as one is known.
     """
 
-    __repr__ = one_line
-
     name: str
     symbol: str
     unit: str
@@ -49,7 +47,7 @@ class CardParameter:
 
 
 @dataclass(frozen=True)
-class CardResponse:
+class CardResponse(OneLine):
     """Response of the material in a bulk test, against the measured value.
 
     Parameters
@@ -71,8 +69,6 @@ class CardResponse:
     verified_mean : float, optional
         Mean of the runs with fresh seeds at the answer, an independent check.
     """
-
-    __repr__ = one_line
 
     name: str
     unit: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 #: Symbols of the motion of two bodies 1 and 2.
 SYMBOLS = {
@@ -29,7 +29,7 @@ _BODY = re.compile("_[12]$")
 
 
 @dataclass(frozen=True)
-class Equation:
+class Equation(OneLine):
     """An equation of one term of a contact law.
 
     Products have a space between their factors, powers a ^, effective values a star (``R*``).
@@ -43,8 +43,6 @@ class Equation:
     remark : str
         Conditions, and the meaning of symbols that are in no other place (``"h: a number"``).
     """
-
-    __repr__ = one_line
 
     term: str
     formula: str

@@ -11,7 +11,7 @@ from grainfit.errors import InputError
 from grainfit.formatting import millimetres, percent
 from grainfit.materials import messages
 from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 if TYPE_CHECKING:
     from grainfit.materials.clumps import Clump
@@ -39,7 +39,7 @@ LARGEST_FACTOR = 1000.0
 
 
 @dataclass(frozen=True)
-class ParticleSizes:
+class ParticleSizes(OneLine):
     """A discrete particle size distribution.
 
     Parameters
@@ -61,8 +61,6 @@ class ParticleSizes:
     >>> ParticleSizes((0.010,)).smallest_radius
     0.005
     """
-
-    __repr__ = one_line
 
     diameters: tuple[float, ...]
     mass_fractions: tuple[float, ...] = (1.0,)

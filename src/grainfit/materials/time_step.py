@@ -12,7 +12,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.materials import messages
 from grainfit.materials.equations import Equation
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 
 def rayleigh_time_step(
@@ -63,7 +63,7 @@ RAYLEIGH_NAMES = ("particle.density", "particle.youngs_modulus", "particle.poiss
 
 
 @dataclass(frozen=True)
-class RayleighTimeStep:
+class RayleighTimeStep(OneLine):
     """Rayleigh time step as a function of the free parameters.
 
     Parameters
@@ -85,8 +85,6 @@ class RayleighTimeStep:
     >>> step({"particle.aspect_ratio": 1.5}) > step({"particle.aspect_ratio": 2.0})
     True
     """
-
-    __repr__ = one_line
 
     radius: float
     fixed: Mapping[str, float]

@@ -44,7 +44,7 @@ from grainfit.metamodels.predictor import (
     Trend,
 )
 from grainfit.metamodels.relative_prior import RATIOS, RelativeModel, RelativePrior
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 _MINIMUM_RUNS = 3
 _LARGEST_BLOCK = 4096
@@ -82,7 +82,7 @@ class _Standardised(NamedTuple):
         return cls((values - offset) / scale, offset, scale, are_exact)
 
 
-class Kriging:
+class Kriging(OneLine):
     """Kriging metamodel of one response over the unit cube of the free parameters.
 
     Use `fit` to make one. It never changes: `condition` returns a new one.
@@ -101,8 +101,6 @@ class Kriging:
     >>> bool(abs(metamodel.predict([[0.33]]).mean[0] - math.sin(0.99)) < 1e-3)
     True
     """
-
-    __repr__ = one_line
 
     def __init__(
         self,

@@ -19,7 +19,7 @@ from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import Reduction, about_short_curves, runs_with_curve
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target, TestScope
 from grainfit.problem.correlations import correlated_groups
 
@@ -40,7 +40,7 @@ _FEWEST_WITH_RELATIVE = 3
 _OUTCOMES = 512
 
 
-class Metamodels:
+class Metamodels(OneLine):
     """One metamodel per target, in the order of the targets.
 
     Responses are given in two ways: as they are (`predict`, `gradients`), and as *deviations*
@@ -61,8 +61,6 @@ class Metamodels:
     reduction : Reduction, optional
         Reduction of the curves whose components are among the targets.
     """
-
-    __repr__ = one_line
 
     def __init__(
         self,

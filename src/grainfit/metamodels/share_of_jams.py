@@ -15,7 +15,7 @@ from scipy.spatial.distance import cdist
 from scipy.special import softmax
 
 from grainfit.metamodels.predictor import FloatArray
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 #: Reaches of a run, per root of the dimension: one share everywhere, or ever smaller regions.
 _REACHES = np.array([np.inf, 0.5, 0.25, 0.12, 0.06])
@@ -25,7 +25,7 @@ _EVERYWHERE = 0.5
 _PRIOR_RUNS = 0.5
 
 
-class ShareOfJams:
+class ShareOfJams(OneLine):
     """Probability that a run does not belong to the others, by where they are.
 
     Parameters
@@ -40,8 +40,6 @@ class ShareOfJams:
     Goetschalckx, Poupart & Hoey (2011), "Continuous correlated Beta processes", IJCAI: a Beta
     distribution whose counts are weighted with a kernel.
     """
-
-    __repr__ = one_line
 
     def __init__(self, points: FloatArray, is_jam: NDArray[np.bool_]) -> None:
         self._points = points

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from grainfit.errors import Fault
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.options import messages
 from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, example_with, how_to_write, to_unit
@@ -182,7 +182,7 @@ class Whole(Kind):
 
 
 @dataclass(frozen=True)
-class Quantity(Kind):
+class Quantity(Kind, OneLine):
     """A number with a unit.
 
     Parameters
@@ -197,8 +197,6 @@ class Quantity(Kind):
     why : str
         Why nothing else is possible, as a sentence.
     """
-
-    __repr__ = one_line
 
     unit: str | None
     lowest: float = -math.inf

@@ -15,11 +15,11 @@ from typing import Any
 
 from grainfit.errors import InputError
 from grainfit.files import LARGEST_PYTHON_FILE, TooLargeError, read_within
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.options import messages
 
 
-class PythonFile:
+class PythonFile(OneLine):
     """A function in a file, checked without executing anything, and loaded at its first call.
 
     Parameters
@@ -34,8 +34,6 @@ class PythonFile:
     InputError
         The reference has another form.
     """
-
-    __repr__ = one_line
 
     def __init__(self, reference: str, folder: Path | None = None) -> None:
         path, colon, function = reference.rpartition(":")

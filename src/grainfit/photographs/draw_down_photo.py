@@ -11,7 +11,7 @@ from PIL import ImageDraw
 
 from grainfit.evaluation import Response
 from grainfit.measurement.sheet import FLANK
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.photographs import messages
 from grainfit.photographs.draw_down import DrawDownInPicture, measure_draw_down
 from grainfit.photographs.heap import contour_of
@@ -21,7 +21,7 @@ from grainfit.tables import Summary, TextTable
 
 
 @dataclass(frozen=True)
-class PhotographedDrawDowns(Summary):
+class PhotographedDrawDowns(Summary, OneLine):
     """What was measured on pictures of draw-downs.
 
     Parameters
@@ -36,8 +36,6 @@ class PhotographedDrawDowns(Summary):
     refused : dict
         Reason of each picture that was not measured.
     """
-
-    __repr__ = one_line
 
     responses: dict[str, Response]
     parts: dict[str, dict[str, float]]

@@ -11,7 +11,7 @@ import numpy as np
 
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.photographs import messages
 from grainfit.photographs.drum import (
     DrumSeries,
@@ -35,7 +35,7 @@ _PICTURE = {"dynamic_angle": 0.6, "surface_angle": 0.9, "upper_angle": 1.0, "low
 
 
 @dataclass(frozen=True)
-class PhotographedDrum(Summary):
+class PhotographedDrum(Summary, OneLine):
     """What was measured on videos and stills of a turning drum.
 
     Parameters
@@ -51,8 +51,6 @@ class PhotographedDrum(Summary):
     refused : dict
         Reason of each video or picture that was not measured.
     """
-
-    __repr__ = one_line
 
     responses: dict[str, Response]
     parts: dict[str, dict[str, float]]

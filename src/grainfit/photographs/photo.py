@@ -13,7 +13,7 @@ import numpy as np
 from grainfit.errors import Fault, InputError, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.messages import Message
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.photographs import messages
 from grainfit.photographs.by_hand import ByHand
 from grainfit.photographs.draw_down_photo import PhotographedDrawDowns, photo_draw_downs
@@ -40,7 +40,7 @@ PathLike = str | Path
 
 
 @dataclass(frozen=True)
-class PhotographedHeaps(Summary):
+class PhotographedHeaps(Summary, OneLine):
     """What was measured on pictures of heaps.
 
     Parameters
@@ -54,8 +54,6 @@ class PhotographedHeaps(Summary):
     refused : dict
         Reason of each picture that was not measured.
     """
-
-    __repr__ = one_line
 
     angle_of_repose: Response
     heaps: tuple[tuple[HeapInPicture, ...], ...]

@@ -13,7 +13,7 @@ from PIL import ImageDraw
 
 from grainfit.evaluation import Response
 from grainfit.measurement.sheet import FLANK
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.photographs import messages
 from grainfit.photographs.overlay import PLATE, draw_line, write_overlay
 from grainfit.photographs.several import mean_of_repeats, measure_each, with_sources
@@ -22,7 +22,7 @@ from grainfit.tables import Summary, TextTable
 
 
 @dataclass(frozen=True)
-class PhotographedSlopes(Summary):
+class PhotographedSlopes(Summary, OneLine):
     """What was measured on pictures of inclined planes or beds.
 
     Parameters
@@ -36,8 +36,6 @@ class PhotographedSlopes(Summary):
     refused : dict
         Reason of each picture that was not measured.
     """
-
-    __repr__ = one_line
 
     angle: Response
     slopes: tuple[SlopeInPicture, ...]

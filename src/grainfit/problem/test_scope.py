@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from grainfit.errors import Fault, InputError
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain
 from grainfit.relative_names import relative_name
@@ -15,7 +15,7 @@ from grainfit.validation import as_number, whole_number_faults
 
 
 @dataclass(frozen=True)
-class TestScope:
+class TestScope(OneLine):
     """One of several tests of a problem: its targets, the parameters it depends on, and its cost.
 
     Parameters
@@ -36,8 +36,6 @@ class TestScope:
     >>> TestScope("drop", ["drop.rebound"], ["restitution"], seconds=2.0).parameters
     ('restitution',)
     """
-
-    __repr__ = one_line
 
     name: str
     targets: Sequence[str]
@@ -67,7 +65,7 @@ class TestScope:
 
 
 @dataclass(frozen=True)
-class Relative:
+class Relative(OneLine):
     """A cheaper relative of a test: the same test of softer or larger particles, for example.
 
     Its runs tell where those of the test are worth making; no verdict rests on them.
@@ -85,8 +83,6 @@ class Relative:
     >>> Relative("heap", cost=0.25).response_name("heap.angle")
     'heap (relative).angle'
     """
-
-    __repr__ = one_line
 
     of: str
     cost: float | None

@@ -15,7 +15,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict import messages
 from grainfit.verdict.holdout import HoldoutVerdict
@@ -27,7 +27,7 @@ Basis = Literal["posterior", "intervals", "values"]
 
 
 @dataclass(frozen=True)
-class Registration:
+class Registration(OneLine):
     """Record that the targets of a hold-out were fixed, and when.
 
     Parameters
@@ -44,8 +44,6 @@ class Registration:
         When other targets were registered last, ISO 8601 in UTC; empty if never.
     """
 
-    __repr__ = one_line
-
     date: str
     runs: int
     targets_hash: str
@@ -54,7 +52,7 @@ class Registration:
 
 
 @dataclass(frozen=True)
-class HoldoutResponse:
+class HoldoutResponse(OneLine):
     """A response that took no part in the fit: what is expected, and what was measured.
 
     Parameters
@@ -78,8 +76,6 @@ class HoldoutResponse:
     verdict : {"predicts", "does not predict", "does not tell"}, optional
         None without a measured value.
     """
-
-    __repr__ = one_line
 
     unit: str
     predicted: float
@@ -120,7 +116,7 @@ class HoldoutResponse:
 
 
 @dataclass(frozen=True)
-class HoldoutResult:
+class HoldoutResult(OneLine):
     """Prediction of a test that took no part in the calibration.
 
     Parameters
@@ -141,8 +137,6 @@ class HoldoutResult:
     why : str
         Reason where it failed.
     """
-
-    __repr__ = one_line
 
     test: str
     state: HoldoutState

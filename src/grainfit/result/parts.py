@@ -19,7 +19,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.materials.card import Determination
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.rule import Verdict
 
@@ -28,7 +28,7 @@ _LARGEST_PERCENTAGE = 50.0
 
 
 @dataclass(frozen=True)
-class ResponseResult:
+class ResponseResult(OneLine):
     """A response at the answer, compared with its target.
 
     Parameters
@@ -63,8 +63,6 @@ class ResponseResult:
         confidence of 95 %: ``1 - 0.05 ** (1 / n)``. None where a run jammed.
     """
 
-    __repr__ = one_line
-
     target: float
     tolerance: float
     unit: str
@@ -96,7 +94,7 @@ class ResponseResult:
 
 
 @dataclass(frozen=True)
-class CurveResult:
+class CurveResult(OneLine):
     """A curve at the answer, compared with the measured one.
 
     Parameters
@@ -124,8 +122,6 @@ class CurveResult:
         Mean curve of at least two fresh seeds at the measured points, and its standard errors;
         empty for fewer.
     """
-
-    __repr__ = one_line
 
     coordinate: str
     coordinate_unit: str
@@ -175,7 +171,7 @@ class CurveResult:
 
 
 @dataclass(frozen=True)
-class ParameterInterval:
+class ParameterInterval(OneLine):
     """95 % interval of a parameter, which holds the answer, and a word for its width.
 
     Parameters
@@ -188,8 +184,6 @@ class ParameterInterval:
     bias : str
         Reason why the value is biased, as far as one is known.
     """
-
-    __repr__ = one_line
 
     low: float
     high: float
@@ -234,7 +228,7 @@ class ParameterInterval:
 
 
 @dataclass(frozen=True)
-class YieldLocus:
+class YieldLocus(OneLine):
     """A line through shear stress over normal stress.
 
     Parameters
@@ -248,8 +242,6 @@ class YieldLocus:
     internal_friction_angle : Response
         Slope of the line, degrees.
     """
-
-    __repr__ = one_line
 
     normal_stresses: tuple[float, ...]
     shear_stresses: tuple[Response, ...]
@@ -265,7 +257,7 @@ class YieldLocus:
 
 
 @dataclass(frozen=True)
-class YieldLocusResult:
+class YieldLocusResult(OneLine):
     """Yield locus of several shear tests on one material.
 
     Parameters
@@ -277,8 +269,6 @@ class YieldLocusResult:
     expected : YieldLocus, optional
         By the responses expected at the answer; None without an answer.
     """
-
-    __repr__ = one_line
 
     tests: tuple[str, ...]
     measured: YieldLocus
@@ -324,10 +314,8 @@ class RunCounts:
 
 
 @dataclass(frozen=True)
-class RunSummary:
+class RunSummary(OneLine):
     """One parameter set that was simulated."""
-
-    __repr__ = one_line
 
     stage: str
     parameters: Mapping[str, float]
@@ -338,7 +326,7 @@ class RunSummary:
 
 
 @dataclass(frozen=True)
-class MetamodelQuality:
+class MetamodelQuality(OneLine):
     """Quality of a metamodel, by leave-one-out.
 
     Parameters
@@ -359,8 +347,6 @@ class MetamodelQuality:
     part : str
         The part of a curve that it is about, in words; empty for a response.
     """
-
-    __repr__ = one_line
 
     q2: float | None
     coverage: float

@@ -12,7 +12,7 @@ from typing import Any
 from grainfit.errors import StoreError
 from grainfit.files import LARGEST_RESULT, read_within, write_atomically
 from grainfit.formatting import counted, number, plain_ends, plain_interval, plain_probability
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.plain_data import parse_json, read_plain
 from grainfit.result import messages as of_file
 from grainfit.result.holdout import HoldoutResult
@@ -34,7 +34,7 @@ from grainfit.verdict.rule import Status
 
 
 @dataclass(frozen=True)
-class Result(Summary):
+class Result(Summary, OneLine):
     """Result of a calibration.
 
     Parameters
@@ -90,8 +90,6 @@ class Result(Summary):
     holdouts : sequence of HoldoutResult
         Predictions of tests that took no part in the fit.
     """
-
-    __repr__ = one_line
 
     status: Status
     parameters: Mapping[str, float]

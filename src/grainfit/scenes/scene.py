@@ -22,7 +22,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import rayleigh_time_step
 from grainfit.materials.walls import on_wall
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.scenes import messages
 from grainfit.scenes.conditions import Clear, Condition, Loaded
 from grainfit.scenes.glued import Glued
@@ -59,7 +59,7 @@ _TAKEN = {
 
 
 @dataclass(frozen=True)
-class Box:
+class Box(OneLine):
     """The simulated space; particles that leave it are gone.
 
     Parameters
@@ -69,8 +69,6 @@ class Box:
     periodic : str
         Axes along which the space repeats, such as ``"y"`` or ``"xy"``.
     """
-
-    __repr__ = one_line
 
     low: Vector
     high: Vector
@@ -94,7 +92,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Wall:
+class Wall(OneLine):
     """A wall: its shape, and the surface that particles touch.
 
     Parameters
@@ -104,8 +102,6 @@ class Wall:
     surface : str
         Name of a surface of the scene.
     """
-
-    __repr__ = one_line
 
     shape: Shape
     surface: str = WALL
@@ -181,7 +177,7 @@ Motion = Velocity | Load | Rotation
 
 
 @dataclass(frozen=True)
-class Stage:
+class Stage(OneLine):
     """A part of the procedure: what changes at its beginning, and when it ends.
 
     Parameters
@@ -213,8 +209,6 @@ class Stage:
         Sliding friction between particles in this stage, and only in it; that of the material by
         default.
     """
-
-    __repr__ = one_line
 
     name: str
     until: Condition

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 
 Vector = tuple[float, float, float]
 
@@ -30,7 +30,7 @@ class Plane:
 
 
 @dataclass(frozen=True)
-class Block:
+class Block(OneLine):
     """A solid block, met from outside: its faces, edges and corners are exact.
 
     Parameters
@@ -39,14 +39,12 @@ class Block:
         Corners. Along a periodic axis the block is infinite, and they have no effect.
     """
 
-    __repr__ = one_line
-
     low: Vector
     high: Vector
 
 
 @dataclass(frozen=True)
-class Prism:
+class Prism(OneLine):
     """A solid block whose upper side is shifted along x, met from outside: the slope of a wedge.
 
     Parameters
@@ -58,15 +56,13 @@ class Prism:
         Of the upper side along x.
     """
 
-    __repr__ = one_line
-
     low: Vector
     high: Vector
     shift: float
 
 
 @dataclass(frozen=True)
-class Cylinder:
+class Cylinder(OneLine):
     """A tube about an axis through the origin with open ends, met from inside.
 
     Parameters
@@ -79,8 +75,6 @@ class Cylinder:
     axis : {"x", "y", "z"}
         Its axis; upright by default.
     """
-
-    __repr__ = one_line
 
     radius: float
     bottom: float
@@ -140,7 +134,7 @@ class Annulus:
 
 
 @dataclass(frozen=True)
-class Mesh:
+class Mesh(OneLine):
     """Triangles of an STL file, text or binary, met from both sides.
 
     Parameters
@@ -150,8 +144,6 @@ class Mesh:
     scale : float
         Metres in a unit of the file: 0.001 for one in mm.
     """
-
-    __repr__ = one_line
 
     path: Path
     scale: float = 1.0

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 from grainfit.bulk_tests.workload import workload
 from grainfit.errors import Fault
 from grainfit.evaluation import Measured
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.run_definition import RunDefinition, without_defaults
 from grainfit.solvers.run_cost import RunCost
 from grainfit.solvers.speed import Speed
@@ -40,7 +40,7 @@ SeedUse: TypeAlias = Literal["read", "unread", "none"]
 
 
 @dataclass(frozen=True)
-class Workspace:
+class Workspace(OneLine):
     """Folder and limits of one run.
 
     Parameters
@@ -53,15 +53,13 @@ class Workspace:
         Set when the user stops the calibration: the run must end soon.
     """
 
-    __repr__ = one_line
-
     folder: Path
     timeout: float | None = None
     cancelled: threading.Event = field(default_factory=threading.Event)
 
 
 @dataclass(frozen=True)
-class SourceRecord:
+class SourceRecord(OneLine):
     """Record that a run reads instead of being made.
 
     Parameters
@@ -74,17 +72,13 @@ class SourceRecord:
         Whether these are the values of the run.
     """
 
-    __repr__ = one_line
-
     name: str
     parameters: Mapping[str, float]
     is_at_parameters: bool
 
 
-class Solver(ABC):
+class Solver(ABC, OneLine):
     """Interface of solvers: turn parameter values and a seed into responses."""
-
-    __repr__ = one_line
 
     #: Short name shown to the user, as in the calibration file.
     name: str

@@ -16,7 +16,7 @@ from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.outliers import Outliers
 from grainfit.metamodels.two_states import has_two_states
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.result import MetamodelQuality
 from grainfit.strategies import messages
@@ -29,7 +29,7 @@ _ON_BOUND = 0.01
 
 
 @dataclass(frozen=True)
-class Answer:
+class Answer(OneLine):
     """The parameter set that a search has found, and what the metamodels predict for it.
 
     Parameters
@@ -62,8 +62,6 @@ class Answer:
         Reduction of the measured curves, whose components are among the targets; None when there
         are no curves.
     """
-
-    __repr__ = one_line
 
     parameters: Mapping[str, float]
     predicted: Mapping[str, float]

@@ -45,7 +45,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Outcome, Proposal
-from grainfit.one_line import OneLine, one_line
+from grainfit.one_line import OneLine
 from grainfit.options.fields import option_keys, read_options
 from grainfit.strategies import messages
 from grainfit.verdict.looks import confidence_after
@@ -120,7 +120,7 @@ class Strategy(OneLine, ABC):
             raise InputError(messages.FOREIGN_RELATIVES.fault(key, strategy=self.name))
 
 
-class Search(ABC):
+class Search(ABC, OneLine):
     """State of one search, which proposes runs until the answer is known.
 
     Parameters
@@ -134,8 +134,6 @@ class Search(ABC):
     max_evaluations : int, optional
         Largest number of proposals.
     """
-
-    __repr__ = one_line
 
     #: Smallest probability of an answer at which fresh seeds are worth their runs.
     verify_from: ClassVar[float] = VERDICT.verify_from

@@ -17,7 +17,7 @@ from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
@@ -46,7 +46,7 @@ _TIED = 0.75
 
 
 @dataclass(frozen=True)
-class ExpectedNarrowing:
+class ExpectedNarrowing(OneLine):
     """Estimate of what a calibration will determine, before any run.
 
     Attributes
@@ -62,8 +62,6 @@ class ExpectedNarrowing:
     further : str
         Sentence on a response of the same runs that would narrow a parameter further; may be empty.
     """
-
-    __repr__ = one_line
 
     narrowing: dict[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

@@ -20,7 +20,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
-from grainfit.one_line import as_call, one_line
+from grainfit.one_line import OneLine, as_call
 from grainfit.problem import Parameter
 from grainfit.result import ParameterInterval
 from grainfit.tables import Summary, TextTable
@@ -80,7 +80,7 @@ class Prospect:
 
 
 @dataclass(frozen=True)
-class OpenParameters:
+class OpenParameters(OneLine):
     """Parameters of a calibration as they are known today.
 
     Parameters
@@ -98,8 +98,6 @@ class OpenParameters:
     measured : tuple of str
         Names of the targets that there are.
     """
-
-    __repr__ = one_line
 
     parameters: tuple[Parameter, ...]
     intervals: Mapping[str, ParameterInterval]

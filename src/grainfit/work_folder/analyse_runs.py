@@ -19,7 +19,7 @@ from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted, in_unit, number, plain_ends, plain_interval
 from grainfit.metamodels.curve_reduction import ComponentTarget
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.tables import TextTable, as_html, as_text
 from grainfit.work_folder import messages
@@ -31,7 +31,7 @@ _DISAGREES = 3.0
 
 
 @dataclass(frozen=True)
-class RunsAnalysis:
+class RunsAnalysis(OneLine):
     """Analysis of runs, in words.
 
     Parameters
@@ -45,8 +45,6 @@ class RunsAnalysis:
     ignored : tuple of str
         Columns of tables that are not used, and what was given a second time.
     """
-
-    __repr__ = one_line
 
     problem: Problem
     analysis: Analysis

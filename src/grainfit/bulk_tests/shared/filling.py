@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from grainfit.bulk_tests.shared import messages
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.scenes.conditions import AtRest
 from grainfit.scenes.packing import (
     MOST_PARTICLES,
@@ -41,7 +41,7 @@ _CHECK_INTERVAL = 1.57
 
 
 @dataclass(frozen=True)
-class Filling:
+class Filling(OneLine):
     """Particles that fill a container, and when they are at rest; times in s, lengths in m.
 
     Parameters
@@ -57,8 +57,6 @@ class Filling:
     check_interval : float
         Simulated time between two checks of the kinetic energy.
     """
-
-    __repr__ = one_line
 
     particle_count: int
     column_height: float

@@ -28,14 +28,14 @@ from grainfit.evaluation import (
     names_of_tests,
     tests_asked,
 )
-from grainfit.one_line import one_line
+from grainfit.one_line import OneLine
 from grainfit.run_definition import RunDefinition
 
 RunStatus = Literal["running", "finished", "failed"]
 
 
 @dataclass(frozen=True)
-class RunRecord:
+class RunRecord(OneLine):
     """One run in the store.
 
     Parameters
@@ -59,8 +59,6 @@ class RunRecord:
         Source of a run that was not executed here: another store, without its password, or an
         imported table.
     """
-
-    __repr__ = one_line
 
     identity: str
     test: str
