@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -87,6 +87,12 @@ class InputError(GrainfitError, ValueError):
     def reasons(self) -> str:
         """All faults with their keys and without remedies, as a part of a sentence."""
         return "; ".join(f"{f.key}: {f.message}" if f.key else f.message for f in self.faults)
+
+    @classmethod
+    def raise_for(cls, faults: Iterable[Fault]) -> None:
+        """Raise the error if there are faults."""
+        if found := [*faults]:
+            raise cls(found)
 
     def __reduce__(self) -> tuple[type[InputError], tuple[Sequence[Fault], str]]:
         """Make it again of its faults: an exception is made of its text otherwise."""

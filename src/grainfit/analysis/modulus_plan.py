@@ -65,8 +65,7 @@ class ModulusPlan:
             faults.append(messages.FEW_FACTORS.fault("factors", count=len(set(self.factors))))
         else:
             faults += self._impossible()
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(faults)
 
     def _impossible(self) -> Iterator[Fault]:
         known = MATERIAL_PARAMETERS[MODULUS]

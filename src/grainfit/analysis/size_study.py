@@ -74,8 +74,7 @@ class SizePlan:
             faults.append(messages.NO_SIZE.fault(key, given=one))
         elif len(set(self.times)) < FEWEST_SIZES:
             faults.append(messages.FEW_SIZES.fault("times", count=len(set(self.times))))
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(faults)
 
     @property
     def sizes(self) -> tuple[float, ...]:

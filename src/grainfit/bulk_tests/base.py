@@ -153,8 +153,7 @@ class BulkTest(OneLine, ABC):
     def _require_possible(self) -> None:
         """Raise `InputError` with every fault of the first stage that has any."""
         for stage in self.setup.fault_stages():
-            if faults := [*stage]:
-                raise InputError(faults)
+            InputError.raise_for(stage)
         self.setup.resolve()
 
     @classmethod

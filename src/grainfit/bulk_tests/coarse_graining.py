@@ -39,8 +39,7 @@ def coarse_grained(test: _Test, factor: float, material: Mapping[str, float]) ->
         definition = {**test.definition(), **sizes.definition()}
         fewer = max(1, round(count / factor**3))
         coarser = test.from_definition({**definition, "particle_count": fewer})
-    if faults := [*material_faults(coarser, material)]:
-        raise InputError(faults)
+    InputError.raise_for(material_faults(coarser, material))
     return coarser
 
 

@@ -308,14 +308,12 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
 def _repeats(given: int | Mapping[str, int], solvers: Mapping[str, Solver]) -> dict[str, int]:
     """Return the given runs per evaluation by name of the test."""
     if not isinstance(given, Mapping):
-        if faults := whole_number_faults({"repeats": given}):
-            raise InputError(faults)
+        InputError.raise_for(whole_number_faults({"repeats": given}))
         # One run is the default, and leaves what the problem says of its tests.
         return {} if given == 1 else dict.fromkeys(solvers, given)
     faults = whole_number_faults({f"repeats.{test}": count for test, count in given.items()})
     faults += _faults_of_names("repeats", given, solvers)
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     return dict(given)
 
 
@@ -334,5 +332,4 @@ def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]
         for test, seconds in timeouts.items()
         if not seconds > 0
     ]
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)

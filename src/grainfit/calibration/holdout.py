@@ -170,8 +170,7 @@ def require_holdouts(problem: Problem, tests: Sequence[str], holdouts: Sequence[
         if holdout.name in taken:
             raise InputError(messages.HOLDOUT_OF_SAME_NAME.fault(key))
         taken.add(holdout.name)
-        if faults := [replace(f, key=key) for f in _faults(problem, holdout)]:
-            raise InputError(faults)
+        InputError.raise_for(replace(f, key=key) for f in _faults(problem, holdout))
         holdout.model.check()
 
 

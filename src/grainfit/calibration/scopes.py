@@ -92,8 +92,7 @@ def relatives_of(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, S
         if test not in solvers
     ]
     faults += [messages.NO_RELATIVE.fault(test) for test in solvers if test not in declared]
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     names = {parameter.name for parameter in problem.parameters}
     return {
         one.name: _without(solvers[test], names.difference(problem.scope_of_test(test).parameters))

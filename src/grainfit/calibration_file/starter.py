@@ -167,8 +167,7 @@ def starter_file(
             known[one.type](diameter=own, **one.values)
         program = DEM_PROGRAMS[solver]
         faults = [f for test in tests for f in program.concept_faults(test.type, concepts(test))]
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     if material is None:
         first = _for_solver(_GLASS_BEADS, solver)
     else:

@@ -48,8 +48,7 @@ def twin_solvers(
                 found[name] = solver.of_test(twin)
         except InputError as error:
             faults.append(messages.NO_TWIN.fault(_KEY, test=name, why=error.reasons))
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     return found
 
 

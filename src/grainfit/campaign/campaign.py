@@ -541,13 +541,11 @@ class Campaign:
 
 
 def _require_names_of_tests(names: Iterable[str]) -> None:
-    faults = [
+    InputError.raise_for(
         messages.NAME_OF_FURTHER_RUNS.fault(name)
         for name in names
         if names_of_tests([name]) != (name,)
-    ]
-    if faults:
-        raise InputError(faults)
+    )
 
 
 def evaluation_of(

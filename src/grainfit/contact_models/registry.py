@@ -264,13 +264,11 @@ def non_default_models(chosen: Iterable[str]) -> tuple[str, ...]:
     chosen = tuple(chosen)
     selectable = selectable_models()
     known = [name for names in selectable.values() for name in names]
-    faults = [
+    InputError.raise_for(
         messages.UNKNOWN_MODEL.fault("contact_models", name=name, known=", ".join(known))
         for name in chosen
         if name not in known
-    ]
-    if faults:
-        raise InputError(faults)
+    )
     contact_law({}, chosen)
     defaults = {name for kind in selectable for name in default_models(kind)}
     return tuple(name for name in dict.fromkeys(chosen) if name not in defaults)

@@ -27,13 +27,11 @@ def finite_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
     InputError
         A value is not a finite number; all of them are named.
     """
-    faults = [
+    InputError.raise_for(
         messages.PARAMETER_NOT_FINITE.fault(str(name), given=value)
         for name, value in parameters.items()
         if not isfinite(as_number(value))
-    ]
-    if faults:
-        raise InputError(faults)
+    )
     return {name: float(value) for name, value in parameters.items()}
 
 

@@ -145,8 +145,7 @@ class Interview(OneLine):
         if found:
             before = {(fault.key, fault.message) for fault in _faults(self.path, self.text)}
             found = [fault for fault in found if (fault.key, fault.message) not in before]
-        if found:
-            raise InputError(found)
+        InputError.raise_for(found)
 
     @property
     def remark(self) -> str:

@@ -141,9 +141,7 @@ class ParticleShape:
     aspect_ratio: float | None = None
 
     def __post_init__(self) -> None:
-        faults = [*self._faults()]
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(self._faults())
 
     def _faults(self) -> list[Fault]:
         if bool(self.family) == bool(self.spheres):

@@ -115,8 +115,7 @@ def divide_into_classes(
 
 def divide(distribution: SizeDistribution, truncation: Truncation) -> ParticleSizes:
     """Return the classes of a distribution, see `divide_into_classes`."""
-    if faults := [*_open_ends(distribution, truncation)]:
-        raise InputError(faults)
+    InputError.raise_for(_open_ends(distribution, truncation))
     division = Division(distribution, truncation)
     if division.mass < _LEAST_LEFT:
         key = "largest" if truncation.smallest is None else "smallest"

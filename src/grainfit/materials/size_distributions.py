@@ -182,13 +182,11 @@ class RosinRammler(SizeDistribution):
 
     def __post_init__(self) -> None:
         resolve_options(self)
-        faults = [
+        InputError.raise_for(
             messages.MISSING.fault(key.name, name=key.name, example=key.example)
             for key in option_keys(RosinRammler)
             if getattr(self, key.name) is None
-        ]
-        if faults:
-            raise InputError(faults)
+        )
 
     def passing(self, diameter: float) -> float:
         """Return the share of the mass that is finer than a diameter."""
@@ -249,9 +247,7 @@ class SieveCurve(SizeDistribution):
         object.__setattr__(self, "openings", tuple(map(float, self.openings)))
         object.__setattr__(self, "passing_shares", tuple(map(float, self.passing_shares)))
         found = point_faults(self.openings, self.passing_shares)
-        faults = [replace(fault, key=f"point {i + 1}") for i, fault in found]
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(replace(fault, key=f"point {i + 1}") for i, fault in found)
 
     @property
     def known_between(self) -> tuple[float, float]:

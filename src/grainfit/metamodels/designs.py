@@ -78,13 +78,11 @@ def maximin_latin_hypercube(n: int, d: int, seed: int) -> _Floats:
 
 
 def _require_whole_numbers(arguments: dict[str, tuple[Any, int]]) -> None:
-    faults = [
+    InputError.raise_for(
         messages.NO_WHOLE_NUMBER.fault(name, given=value, least=lowest)
         for name, (value, lowest) in arguments.items()
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < lowest
-    ]
-    if faults:
-        raise InputError(faults)
+    )
 
 
 def _squared_distances(columns: _Floats) -> _Floats:

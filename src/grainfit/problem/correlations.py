@@ -139,6 +139,5 @@ def split_covariance(
         for j in range(i + 1, len(names))
         if scaled[i, j] != 0
     )
-    if faults := correlation_faults(names, found, "covariance"):
-        raise InputError(faults)
+    InputError.raise_for(correlation_faults(names, found, "covariance"))
     return deviations, found

@@ -116,9 +116,7 @@ class Parameter:
         read_quantities(self, keys, unit)
         object.__setattr__(self, "uncertainty", share_of(self.uncertainty, self.measured))
         read_quantities(self, {"uncertainty": "uncertainty"}, unit)
-        faults = list(_interval_faults(self)) or list(_measurement_faults(self))
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(list(_interval_faults(self)) or list(_measurement_faults(self)))
         make_plain(self, "minimum", "maximum", *_MEASUREMENT)
 
     def __repr__(self) -> str:

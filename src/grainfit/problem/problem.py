@@ -113,8 +113,7 @@ class Problem:
         for key, kind in kinds.items():
             _require_sequence(key, getattr(self, key), kind)
             object.__setattr__(self, key, tuple(getattr(self, key)))
-        if faults := [*self._faults()] or self._read_correlations():
-            raise InputError(faults)
+        InputError.raise_for([*self._faults()] or self._read_correlations())
         make_plain(self, "rayleigh_weight")
 
     def _faults(self) -> Iterator[Fault]:

@@ -41,8 +41,7 @@ def read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str = "") -
             continue
         object.__setattr__(owner, key, value)
         object.__setattr__(owner, "unit", unit)
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
 
 
 def share_of(given: Any, value: Any) -> Any:

@@ -92,9 +92,7 @@ class Target:
         for key, share in shares.items():
             object.__setattr__(self, key, share)
         read_quantities(self, {key: key for key in _TARGET_WIDTHS})
-        faults = list(_target_faults(self)) or self._faults_of_size()
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(list(_target_faults(self)) or self._faults_of_size())
         if self.tolerance is None:
             object.__setattr__(self, "tolerance", self._usual_tolerance)
         make_plain(self, "value", "uncertainty", "tolerance", "weight")
@@ -217,13 +215,11 @@ class Target:
 def _require_shares(target: Target) -> None:
     """Raise `InputError` if an uncertainty or a tolerance is a percentage of zero."""
     given = {key: getattr(target, key) for key in _TARGET_WIDTHS}
-    faults = [
+    InputError.raise_for(
         messages.SHARE_OF_ZERO.fault(f"{target.name}.{key}", given=shown(text))
         for key, text in given.items()
         if target.value == 0 and isinstance(text, str) and percentage(text) is not None
-    ]
-    if faults:
-        raise InputError(faults)
+    )
 
 
 def _target_faults(target: Target) -> Iterator[Fault]:
@@ -358,9 +354,7 @@ def read_measurements(
 
 
 def _refuse(faults: Iterator[Fault]) -> None:
-    found = list(faults)
-    if found:
-        raise InputError(found)
+    InputError.raise_for(faults)
 
 
 def _faults_of_values(name: str, given: list[Any], values: list[float]) -> Iterator[Fault]:

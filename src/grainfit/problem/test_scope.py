@@ -49,8 +49,7 @@ class TestScope(OneLine):
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
             raise InputError(messages.NO_TEST_NAME.fault("test", given=self.name))
-        if faults := whole_number_faults({f"{self.name}.repeats": self.repeats}):
-            raise InputError(faults)
+        InputError.raise_for(whole_number_faults({f"{self.name}.repeats": self.repeats}))
         for key in ("targets", "parameters"):
             names = getattr(self, key)
             is_list = isinstance(names, Sequence) and not isinstance(names, str)

@@ -297,15 +297,15 @@ class Scene:
 
     def __post_init__(self) -> None:
         """Raise `InputError` if a deck would misread a name, or what a stage names is not there."""
-        faults = [
-            *_name_faults(self),
-            *_wall_faults(self),
-            *_motion_faults(self),
-            *_rotation_faults(self),
-            *_area_faults(self),
-        ]
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(
+            [
+                *_name_faults(self),
+                *_wall_faults(self),
+                *_motion_faults(self),
+                *_rotation_faults(self),
+                *_area_faults(self),
+            ]
+        )
 
     def __repr__(self) -> str:
         stages = ", ".join(stage.name for stage in self.stages)

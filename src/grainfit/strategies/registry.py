@@ -91,9 +91,7 @@ def make_strategy(name: str, options: Mapping[str, Any]) -> Strategy:
         There is no such strategy, or it does not have or accept some option.
     """
     strategy = strategy_named(name)
-    faults = option_faults(name, options)
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(option_faults(name, options))
     return strategy(**options)
 
 

@@ -172,8 +172,7 @@ class _Maker:
             time_step_fraction=like.time_step_fraction,
             **options,
         )
-        if faults := [*material_faults(test, self.plain_material)]:
-            raise InputError(faults)
+        InputError.raise_for(material_faults(test, self.plain_material))
         fixed = {name: value for name, value in self.material.items() if name not in self.free}
         models = self.program.model().get("contact_models", ())
         values = {name: (value, value) for name, value in self.material.items()}

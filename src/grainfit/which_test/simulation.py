@@ -61,8 +61,7 @@ class Simulation:
         faults = whole_number_faults({**counts, "workers": self.workers})
         if self.max_seconds is not None and not as_number(self.max_seconds) > 0:
             faults.append(messages.NO_TIME.fault("max_seconds", given=self.max_seconds))
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(faults)
 
     def seeds_for(self, solvers: Mapping[str, Solver], points: Points) -> int:
         """Return the seeds of each parameter set: as given, or as many as the time allows."""

@@ -64,8 +64,7 @@ def answer_for(
         if name not in known
     ]
     faults += _open(setup, {*answer, *_names(settings)}, folder)
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     return dict(answer)
 
 
@@ -102,8 +101,7 @@ def material_of_file(setup: CalibrationSetup, path: Path, settings: Sequence[str
     content = _read(path)
     given = _names(settings)
     values, intervals = (_of_toml if path.suffix == ".toml" else _of_card)(setup, content, path)
-    if faults := _open(setup, {*values, *given}, str(path)):
-        raise InputError(faults)
+    InputError.raise_for(_open(setup, {*values, *given}, str(path)))
     values = setup.values(settings, values)
     exact = {name: (value, value) for name, value in values.items()}
     known = {name: ends for name, ends in intervals.items() if name not in given}

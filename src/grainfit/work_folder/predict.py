@@ -123,8 +123,7 @@ def predict(
     """
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
     workers = setup.workers if workers is None else workers
-    if faults := whole_number_faults({"workers": workers}):
-        raise InputError(faults)
+    InputError.raise_for(whole_number_faults({"workers": workers}))
     place = Path(answer_of or default_workdir(setup.file.path))
     saved = SavedCalibration.open(place) if answer_of is None or place.is_dir() else None
     holdouts = _chosen(setup, tests)

@@ -134,5 +134,4 @@ def _require_counts(**given: int) -> None:
                 "seed", seed=given["seed"], repeat=given["repeat"], largest=LARGEST_SEED
             )
         ]
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)

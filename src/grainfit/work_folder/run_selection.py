@@ -58,8 +58,7 @@ def select_runs(
             chosen &= _meeting(runs, condition)
         except InputError as error:
             faults += error.faults
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     return runs.rows(sorted(chosen))
 
 

@@ -173,8 +173,7 @@ class Hopper(Discharge):
         density = material.get(DENSITY)
         if test.fill_mass is None or density is None:
             return test
-        if faults := [*test.setup.mass_faults(density)]:
-            raise InputError(faults)
+        InputError.raise_for(test.setup.mass_faults(density))
         height = test.setup.height_of(density)
         limit = test.setup.settling_time_limit
         return replace(test, fill_mass=None, fill_height=height, settling_time_limit=limit)

@@ -97,9 +97,7 @@ class ClusterOptions:
     )
 
     def __post_init__(self) -> None:
-        faults = list(self._faults())
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(self._faults())
 
     @property
     def workers(self) -> int:

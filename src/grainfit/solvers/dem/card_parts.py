@@ -112,8 +112,7 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
     """
     values = with_defaults(card.values)
     faults = contact_law_faults(values, solver, card.contact_models)
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     law = contact_law(values, card.contact_models)
     if card.sizes is not None and (
         faults := size_faults(law, solver, is_one_size=is_one_size(card.sizes))
@@ -125,14 +124,12 @@ def require_material(card: MaterialCard, solver: str) -> tuple[dict[str, float],
     needs = _BODIES | law.needs(solver)
     needed = [n for n in parameters_of_walls(walls) if plain_name(n) in needs]
     _require_nothing_missing([name for name in needed if name not in values], solver)
-    faults = [
+    InputError.raise_for(
         messages.NOT_ON_CARD.fault(name, value=values[name], solver=solver, limits=_limits(known))
         for name in needed
         if (known := material_parameter(name)) is not None
         and not known.lowest <= values[name] <= known.highest
-    ]
-    if faults:
-        raise InputError(faults)
+    )
     return values, law
 
 

@@ -39,8 +39,7 @@ class PartsOnWalls:
         faults = [*_friction_faults(test, self.walls)]
         if test.parts is not None:
             faults += _part_faults(self.walls, test.parts)
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(faults)
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -79,9 +78,7 @@ class PartsOnWalls:
         if not self.walls:
             return scene
         parts = walls_as_parts(scene) if self._test.parts is None else self._test.parts
-        faults = [*_part_faults(self.walls, parts), *self._bare_walls(scene, values)]
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for([*_part_faults(self.walls, parts), *self._bare_walls(scene, values)])
         surfaces = {piece: wall for part, wall in self.walls.items() for piece in parts[part]}
         complete = with_defaults(values)
         materials = {wall: parameters_of(complete, wall) for wall in self.named}
@@ -91,8 +88,7 @@ class PartsOnWalls:
         """Raise `InputError` if the scene of the test has not the parts that have a wall."""
         if self.walls:
             parts = scene_parts(self._test, self.material_of_test(values))
-            if faults := [*_part_faults(self.walls, parts)]:
-                raise InputError(faults)
+            InputError.raise_for(_part_faults(self.walls, parts))
 
     def _bare_walls(self, scene: Scene, values: Mapping[str, float]) -> Iterator[Fault]:
         """Walls of a scene of the user that are of the plain wall, where there is none."""

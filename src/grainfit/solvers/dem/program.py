@@ -154,13 +154,13 @@ class DeckSolver(Solver):
         self._require_possible(self.material)
         law = contact_law(self.material, self.contact_models)
         one_size = is_one_size(test.sizes)
-        faults = [
-            *self._material_faults(self.material),
-            *inactive_faults(self.material, named),
-            *size_faults(law, self.name, is_one_size=one_size),
-        ]
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(
+            [
+                *self._material_faults(self.material),
+                *inactive_faults(self.material, named),
+                *size_faults(law, self.name, is_one_size=one_size),
+            ]
+        )
         self.ranks = ranks
         self.executable = executable
         #: Frames that a run is to be shown with, and its simulated time if that is known. No part
@@ -259,9 +259,9 @@ class DeckSolver(Solver):
     def _require_possible(self, material: Mapping[str, float]) -> None:
         law_faults = contact_law_faults(material, self.name, self.contact_models)
         shape, ratio = self.test.sizes.shape, material.get(ASPECT_RATIO, 1.0)
-        faults = [*_impossible(material), *law_faults, *aspect_ratio_faults(shape, ratio)]
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(
+            [*_impossible(material), *law_faults, *aspect_ratio_faults(shape, ratio)]
+        )
 
     @override
     def raw_output(self, folder: Path) -> Sequence[Path]:
@@ -455,8 +455,7 @@ class DeckSolver(Solver):
         ]
 
     def _require_concepts(self, concepts: Iterable[str]) -> None:
-        if faults := self.concept_faults(self.test.type, concepts):
-            raise InputError(faults)
+        InputError.raise_for(self.concept_faults(self.test.type, concepts))
 
     def _simulate(self, deck: Path, workspace: Workspace) -> None:
         """Run the program; a failure has the error message of the program, if there is one."""
@@ -626,8 +625,7 @@ def _in_si(material: Mapping[str, float | str]) -> dict[str, float]:
             values[name] = to_unit(value, _unit(name)) if isinstance(value, str) else value
         except UnitError as error:
             faults.append(Fault(name, error.message, error.remedy))
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
     return values
 
 

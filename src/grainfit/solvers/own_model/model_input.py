@@ -81,8 +81,7 @@ def require_distinct(values: Mapping[str, float]) -> None:
             faults.append(messages.SAME_VARIABLE.fault(name, other=other))
         if any(longer.startswith(f"{name}.") for longer in values):
             faults.append(messages.BEGINS_ANOTHER.fault(name))
-    if faults:
-        raise InputError(faults)
+    InputError.raise_for(faults)
 
 
 class Templates:

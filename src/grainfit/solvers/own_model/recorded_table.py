@@ -167,8 +167,7 @@ class RecordedTable(Solver):
             if name not in self._parameters
         ]
         faults += [messages.NO_VALUE.fault(name) for name in self._parameters if name not in values]
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(faults)
         return values
 
     def _offsets(self, values: Mapping[str, float]) -> NDArray[np.float64]:

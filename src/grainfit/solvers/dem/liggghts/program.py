@@ -53,13 +53,11 @@ class Liggghts(DeckSolver):
     def check(self) -> None:
         """Raise `SolverNotFoundError` unless it is found, `InputError` for values it refuses."""
         super().check()
-        faults = [
+        InputError.raise_for(
             messages.RESTITUTION_REFUSED.fault(name, value=value, limit=_REFUSED_RESTITUTION)
             for name, value in self.material.items()
             if plain_name(name) in _RESTITUTIONS and value <= _REFUSED_RESTITUTION
-        ]
-        if faults:
-            raise InputError(faults)
+        )
 
     @override
     def _ended_empty(self, error: RunFailedError, scene: Scene, deck: SceneDeck) -> bool:

@@ -56,9 +56,7 @@ class Yade(DeckSolver):
     @override
     def _require_possible(self, material: Mapping[str, float]) -> None:
         super()._require_possible(material)
-        faults = list(_damping_faults(material.items()))
-        if faults:
-            raise InputError(faults)
+        InputError.raise_for(_damping_faults(material.items()))
 
     @override
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
