@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from grainfit.analysis import messages
+from grainfit.arrays import Array
 
-Array = NDArray[np.float64]
 #: Logarithms of the density at points, but for a constant, shape (m, d) to (m,).
 LogDensity = Callable[[Array], Array]
 

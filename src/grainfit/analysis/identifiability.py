@@ -22,8 +22,6 @@ from grainfit.which_test.determination import DETERMINED, bound_reached, narrowi
 from grainfit.which_test.determining_tests import determining_tests, separating_tests
 from grainfit.which_test.slopes import nearest_to_median
 
-Array = NDArray[np.float64]
-
 #: Smallest correlation (or as much information) of two parameters that replace each other.
 _STRONG = 0.7
 _CLASSES = 8

@@ -6,17 +6,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 from threadpoolctl import threadpool_limits
 
+from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import log_time_steps, with_long_steps
 from grainfit.metamodels.unit_cube import gauss_newton, spread_points
 from grainfit.one_line import OneLine
 from grainfit.problem import Problem
-
-Array = NDArray[np.float64]
 
 _CANDIDATES = 1024
 _REFINED = 32

@@ -7,12 +7,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import rankdata
 from threadpoolctl import threadpool_limits
 
 from grainfit.analysis import messages
 from grainfit.analysis.ensemble import sample_cube
+from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.extras import import_extra
 from grainfit.metamodels.credible_interval import extended_to_bounds
@@ -21,8 +21,6 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_line import OneLine
 from grainfit.problem import Parameter, Problem
 from grainfit.student import LEVEL
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

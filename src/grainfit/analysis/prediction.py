@@ -7,19 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 from scipy.stats import qmc
 from threadpoolctl import threadpool_limits
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem, Target
 from grainfit.result import HoldoutResponse
 from grainfit.verdict.holdout import judge_prediction
 from grainfit.verdict.options import HOLDOUT
-
-Array = NDArray[np.float64]
 
 _POINTS_OF_PRIOR = 1024
 #: Bisections of a quantile: each halves its error.

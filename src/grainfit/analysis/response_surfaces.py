@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 from scipy.spatial.distance import cdist
 
+from grainfit.arrays import Array
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.predictor import matern
-
-Array = NDArray[np.float64]
 
 #: Cosines that a surface is the sum of: their error is small beside that of few runs.
 _COSINES = 512

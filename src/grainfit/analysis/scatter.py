@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from statistics import fmean, stdev
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grainfit.analysis import messages
 from grainfit.analysis.scatter_statistics import (
@@ -16,6 +15,7 @@ from grainfit.analysis.scatter_statistics import (
     interval_of_deviation,
     runs_within,
 )
+from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (
@@ -32,8 +32,6 @@ from grainfit.one_line import OneLine
 from grainfit.problem import CurveTarget, Target
 from grainfit.tables import Summary, TextTable
 from grainfit.verdict.rule import useless_scatter
-
-Array = NDArray[np.float64]
 
 #: Points spread over the curve that are shown, beside the one that scatters most.
 _SHOWN = 5

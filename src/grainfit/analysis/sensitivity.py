@@ -10,14 +10,13 @@ from threadpoolctl import threadpool_limits
 
 from grainfit.analysis import messages
 from grainfit.analysis.response_surfaces import draw_surfaces
+from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
 from grainfit.one_line import OneLine
-
-Array = NDArray[np.float64]
 
 _SURFACES = 200
 #: Ends of intervals nearer to 0 or 1 are 0 or 1.

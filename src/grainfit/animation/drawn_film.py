@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.preview.geometry import DrawnWall, Geometry, geometry_of
 from grainfit.preview.scene_picture import AZIMUTH, COLOURS
 from grainfit.report.drawing_data import LARGEST, DrawingScale, packed
@@ -18,8 +19,6 @@ from grainfit.scenes.film import Film, FilmFrame
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Rotation, Scene
 from grainfit.scenes.wall_travels import StageSpan, WallTravel, stage_spans, wall_travels
-
-Array = NDArray[np.float64]
 
 #: Places of particles in a page, over all frames: of these, 8 bytes each, it becomes 24 MB.
 _MOST_PLACES = 3_000_000

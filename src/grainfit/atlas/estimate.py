@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.atlas import messages
 from grainfit.atlas.forecast import Forecast, values_at
 from grainfit.atlas.shelf import Atlas, shipped_atlas
@@ -31,7 +31,6 @@ from grainfit.solvers.dem.program import DeckSolver
 from grainfit.tables import Summary, TextTable
 from grainfit.verdict.options import VERDICT
 
-Array = NDArray[np.float64]
 _SHARES = (0.025, 0.5, 0.975)
 #: An interval that keeps this share of the given one leaves a parameter open.
 _OPEN = 0.5

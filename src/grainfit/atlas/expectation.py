@@ -6,15 +6,14 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.atlas.reading import Reading
 from grainfit.atlas.shelf import Atlas, shipped_atlas
 from grainfit.atlas.surrogate import ResponseModel
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.solvers.base import Solver
 
-Array = NDArray[np.float64]
 #: Share of an input's range below its lower end up to which responses follow the trend.
 _BEYOND = 0.5
 

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from grainfit.arrays import Array
 from grainfit.atlas import messages
 from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.reading import NotInAtlasError, Reading
@@ -18,7 +19,6 @@ from grainfit.problem.parameter import Parameter
 from grainfit.problem.target import Target
 from grainfit.solvers.base import Solver
 
-Array = NDArray[np.float64]
 #: Relative difference between LAMMPS, of which the rows are, and another solver: root mean square
 #: over the tests of `benchmarks/solver_agreement.py`, of densities and of other responses.
 _OTHER_DENSITY, _OTHER_RESPONSE = 0.006, 0.02

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.atlas import messages
 from grainfit.atlas.inputs import MATERIAL, SIZE, STIFFNESS, apparatus, ranges_of, varied_of
 from grainfit.bulk_tests.abilities import friction_options
@@ -34,7 +34,6 @@ from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of
 from grainfit.solvers.base import Solver
 from grainfit.units import powers
 
-Array = NDArray[np.float64]
 #: Relative difference of an option from that of the rows which is none.
 _SAME = 0.05
 #: Walls are rigid when their modulus is so many times that of the particles.

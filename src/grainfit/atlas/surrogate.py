@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row
 from grainfit.bulk_tests.base import BulkTest
@@ -17,7 +18,6 @@ from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.varied_options import Range
 from grainfit.metamodels.kriging import Kriging
 
-Array = NDArray[np.float64]
 #: Fewest rows with a response from which it is predicted.
 FEWEST_ROWS = 24
 #: A response whose values span this factor is predicted as its logarithm, unless it is an angle.

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.photos import OF_NUMBER
 from grainfit.calibration_file.targets import Deviation, absolute
@@ -37,8 +37,6 @@ _BEGUN, _STILL = 0.01, 0.005
 #: A record changes by so many times the scatter from line to line at least.
 _LEAST_CHANGE = 20.0
 _UNITS = {"mass_flow": "kg/s", "discharge_time": "s", "discharged_mass": "kg"}
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.materials.clumps import build_clump
 from grainfit.materials.particle_shape import FAMILIES
 
-Array = NDArray[np.float64]
 #: Aspect ratios of a table, denser near 1, and lines across a clump: within 1 % of the clump's own.
 _POINTS, _RESOLUTION = 64, 60
 #: Root of the first excess of the aspect ratio over 1: a sphere has nothing that coincides.

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement import messages
@@ -45,8 +45,6 @@ _LARGEST_OFFSET = 0.15
 #: Largest difference between the inclinations of the upper and the lower half of the flanks,
 #: degrees, and in standard errors: cones of simulated beads have one of 0 to 5 degrees.
 _LARGEST_BEND, _SIGNIFICANT = 15.0, 3.0
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

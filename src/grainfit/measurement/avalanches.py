@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement import messages
@@ -23,8 +23,6 @@ from grainfit.measurement import messages
 _BAND = 0.2
 #: Fewest whole avalanches whose means can be compared.
 _FEWEST = 3
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Curve, Response
 from grainfit.measurement import messages
@@ -27,8 +27,6 @@ _FEWEST_COLUMNS = 3
 #: The bed is not steady when its inclination drifts by so much, degrees, and by so many standard
 #: errors.
 _LARGEST_DRIFT, _DRIFT_ERRORS = 2.0, 3.0
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

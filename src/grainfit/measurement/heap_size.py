@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Curve, Response
 from grainfit.measurement import messages
@@ -28,8 +28,6 @@ _CORRELATION_AZIMUTH = 30.0
 _PROFILE_STEP = 0.5
 #: Standard error of the height, in particle diameters.
 _HEIGHT_ERROR = 0.12
-
-Array = NDArray[np.float64]
 
 
 def base_radius(silhouettes: Sequence[Silhouette], ground: float, diameter: float) -> Response:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement import messages
@@ -30,8 +31,6 @@ _SLICE = 2.0
 _PILE_CORRELATION, WEDGE_CORRELATION = 10.0, 5.0
 #: Flanks outside these inclinations are a layer or a wall, degrees.
 _LIMITS = (2.0, 70.0)
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

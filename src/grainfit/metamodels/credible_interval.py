@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from grainfit.arrays import Array
 
 #: Share of the width of an interval within which a bound belongs to it. Beyond the ends of a 95 %
 #: interval, the density is then a quarter of that inside, or more.

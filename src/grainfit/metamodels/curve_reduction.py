@@ -20,18 +20,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 from scipy.special import chdtrc
 from typing_extensions import override
 
+from grainfit.arrays import Array
 from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Evaluation, Response
 from grainfit.formatting import on_curve
 from grainfit.problem import CurveTarget, Problem, Target, TestScope
 from grainfit.problem.target import DEFAULT_RELATIVE_TOLERANCE
-
-Array = NDArray[np.float64]
 
 #: Standard deviation of the runs, in standard uncertainties of the measurement, up to which a
 #: component is left out: it could tell hardly anything of the parameters.

@@ -10,12 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from grainfit.arrays import Array
 from grainfit.metamodels.unit_cube import spread_points
 
-Array = NDArray[np.float64]
 #: Logarithms of the density at points, but for a constant, shape (m, d) to (m,).
 LogDensity = Callable[[Array], Array]
 

@@ -10,16 +10,14 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import GrainfitError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
 from grainfit.problem import Parameter, Problem
-
-Array = NDArray[np.float64]
 
 #: Largest number of runs: the effort of metamodels grows with its cube.
 MOST_RUNS = 150

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr, ndtri
 
+from grainfit.arrays import Array
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation, Response
 from grainfit.formatting import counted
@@ -22,8 +23,6 @@ from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outl
 from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target, TestScope
 from grainfit.problem.correlations import correlated_groups
-
-Array = NDArray[np.float64]
 
 _NO_NOISE = 1e-12
 #: Change of an expected response by outlying runs, in tolerances, that is worth a run.

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.problem import Problem
 
-Array = NDArray[np.float64]
 #: Time steps that differ by less than this share count as equal: the closer answer is taken.
 EQUAL_TIME_STEPS = 0.05
 

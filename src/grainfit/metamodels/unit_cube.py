@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 
-Array = NDArray[np.float64]
 #: Values at points, shape (m, d) to (m,).
 Objective = Callable[[Array], Array]
 

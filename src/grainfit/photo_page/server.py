@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 from typing_extensions import override
 
+from grainfit.arrays import Array
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.local_pages.server import JSON, LocalHandler, LocalServer
 from grainfit.photo_page.page import photo_page
@@ -26,8 +26,6 @@ from grainfit.photographs.photo import known_of, with_points
 from grainfit.photographs.pictures import opencv, read_picture
 from grainfit.photographs.plate import Plate
 from grainfit.report.rendering import script_json
-
-Array = NDArray[np.float64]
 
 #: Most corners of an outline that is offered, and how far they are from it, pixels.
 _CORNERS, _OFF = 36, 2.0

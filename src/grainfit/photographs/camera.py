@@ -14,11 +14,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.distance import cdist
 
-Array = NDArray[np.float64]
+from grainfit.arrays import Array
 
 #: Focal length of a picture that does not tell it, over its longer side: 29 mm on film, as the main
 #: camera of telephones; and the range of it, from a wide one to a tele lens.

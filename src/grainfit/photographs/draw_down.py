@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.measurement.height_map import HeightMap
 from grainfit.measurement.inclination import (
@@ -22,7 +23,6 @@ from grainfit.photographs.heap import particle_in
 from grainfit.photographs.pictures import Picture, opencv
 from grainfit.photographs.separation import separate
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: Steps of lightness and of both hues, and least ratio of the frequencies of a colour in the heap

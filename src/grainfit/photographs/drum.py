@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.measurement.avalanches import Avalanches
@@ -37,8 +37,6 @@ from grainfit.photographs.drum_surface import (
 from grainfit.photographs.marker import find_marker_sheet
 from grainfit.photographs.rim_speed import rim_of, rotational_speed
 from grainfit.photographs.videos import Video
-
-Array = NDArray[np.float64]
 
 #: Fewest frames of a video, and fewest stills.
 FEWEST_FRAMES, FEWEST_STILLS = 8, 5

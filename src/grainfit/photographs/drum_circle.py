@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.photographs import messages
 from grainfit.photographs.pictures import opencv
 
-Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Colours = NDArray[np.uint8]
 

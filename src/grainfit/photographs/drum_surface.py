@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.photographs import messages
 from grainfit.photographs.drum_circle import Colours, DrumCircle
 from grainfit.photographs.pictures import opencv
 
-Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 
 #: Radius of the drum and side of the square in which a surface is looked for, pixels.

@@ -6,14 +6,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.photographs import messages
 from grainfit.photographs.marker import MarkerSheet
 from grainfit.photographs.pictures import opencv
-
-Array = NDArray[np.float64]
 
 #: Standard uncertainty of a place that is given by hand, pixels, and of being level, degrees.
 _PLACE, _LEVEL = 1.0, 0.2

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.measurement.angle_of_repose import View, angle_of_repose_in, outline_depth
 from grainfit.measurement.silhouette import Silhouette
@@ -70,7 +71,6 @@ _TOLD_BY = {
     Rectangle: "the four points",
 }
 
-Array = NDArray[np.float64]
 Field = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 

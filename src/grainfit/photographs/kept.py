@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.files import in_place_of, write_atomically
 from grainfit.measurement.heap_size import averaged_outline
 from grainfit.photographs import messages
 from grainfit.photographs.by_hand import read_by_hand
-from grainfit.photographs.heap import Array, HeapInPicture, measure_heap
+from grainfit.photographs.heap import HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import opencv, read_picture
 from grainfit.plain_data import read_plain

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from grainfit.arrays import Array
 from grainfit.photographs.drum import DrumSeries
-from grainfit.photographs.heap import Array
 from grainfit.photographs.kept import COPY_WIDTH, KeptPicture, rounded, write_copy
 from grainfit.photographs.pictures import opencv
 

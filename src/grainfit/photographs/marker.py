@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.files import in_place_of
 from grainfit.photographs.pictures import opencv
-
-Array = NDArray[np.float64]
 
 #: Paper (A4, across), side of a marker, and its distance from the edges of the paper, m.
 WIDTH, HEIGHT = 0.297, 0.210

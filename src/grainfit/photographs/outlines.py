@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.photographs import messages
 from grainfit.photographs.kept import KeptPicture
-
-Array = NDArray[np.float64]
 
 #: Distance between two points, in particle diameters: the outline is averaged over as much.
 _STEP = 2.0

@@ -9,8 +9,9 @@ from typing import TypeVar
 import numpy as np
 from PIL import Image, ImageDraw
 
+from grainfit.arrays import Array
 from grainfit.measurement.sheet import FLANK, font
-from grainfit.photographs.heap import Array, HeapInPicture
+from grainfit.photographs.heap import HeapInPicture
 from grainfit.photographs.pictures import Picture
 
 OUTLINE, PLATE, _PAPER = "#56b4e9", "#f0e442", "#1f2933"

@@ -9,10 +9,10 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.photographs.camera import foot_of
 from grainfit.photographs.pictures import opencv
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: Share of the visible edge of a plate that must be seen as an edge: of all of it, of its front,

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Response
 from grainfit.photographs.drum_circle import Colours, DrumCircle
 from grainfit.photographs.pictures import opencv
 
-Array = NDArray[np.float64]
 Waves = NDArray[np.complex128]
 
 #: Rings outside of the drum, over its radius, three to a band that is looked at as one.

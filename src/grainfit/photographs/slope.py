@@ -9,14 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import NotMeasurableError
 from grainfit.measurement.angle_of_repose import robust_line
 from grainfit.photographs import messages
 from grainfit.photographs.camera import USUAL_FOCAL
 from grainfit.photographs.marker import find_marker_sheet
 from grainfit.photographs.pictures import Picture, opencv
-
-Array = NDArray[np.float64]
 
 #: Length of the longer side in which edges are looked for, pixels; and how far colours must change
 #: across an edge, in Lab over a pixel.

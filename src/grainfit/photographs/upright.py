@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.measurement.silhouette import Silhouette
 from grainfit.photographs.pictures import opencv
 
@@ -19,8 +20,6 @@ from grainfit.photographs.pictures import opencv
 _WIDTH, _MOST_PARTS = 1600, 4
 #: From the middle of a pixel, whose places are whole numbers, to its edge, where lengths begin.
 _HALF = np.array([[1.0, 0.0, 0.5], [0.0, 1.0, 0.5], [0.0, 0.0, 1.0]])
-
-Array = NDArray[np.float64]
 
 
 def parts_of_pixel(width: float) -> int:

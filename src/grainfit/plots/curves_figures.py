@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grainfit.analysis.analysis import Analysis
+from grainfit.arrays import Array
 from grainfit.bulk_tests.registry import curve_info
 from grainfit.formatting import plain, unit_for_people
 from grainfit.plots import messages
@@ -22,7 +22,6 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
-Array = NDArray[np.float64]
 
 _BLUE_BAND = "rgba(31, 131, 196, 0.25)"
 #: Most simulated curves of each kind: more hide each other.

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.scenes.scene import Load, Scene, Velocity, Wall
 from grainfit.scenes.triangles import Triangles, triangles_of
 
 State = Literal["still", "moving", "later"]
-Array = NDArray[np.float64]
 
 #: Two triangles that meet at less than this have no visible edge, degrees.
 _SMOOTH = 25.0

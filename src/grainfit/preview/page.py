@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from grainfit.arrays import Array
 from grainfit.formatting import assigned, counted, in_a_row, millimetres, plain
-from grainfit.preview.geometry import Array, State
+from grainfit.preview.geometry import State
 from grainfit.preview.previewed_test import PreviewedTest
 from grainfit.preview.scene_picture import COLOURS
 from grainfit.preview.scene_text import box_text, stage_text, wall_text

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from grainfit.arrays import Array
 from grainfit.measurement.sheet import OVERSAMPLING, height_colour
-from grainfit.preview.geometry import Array, DrawnWall, Geometry, State
+from grainfit.preview.geometry import DrawnWall, Geometry, State
 
 #: Directions of view, as in the report: radians about the z axis, and above the horizon.
 AZIMUTH, ELEVATION = 0.5, 0.35

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from grainfit.arrays import Array
 from grainfit.errors import Fault, InputError
 from grainfit.problem import messages
 from grainfit.validation import as_number
 
 #: Two names and the coefficient between them.
 Correlation: TypeAlias = tuple[str, str, float]
-Array = NDArray[np.float64]
 
 #: Smallest eigenvalue of a matrix that can be inverted without loss of all digits.
 _SMALLEST_EIGENVALUE = 1e-9

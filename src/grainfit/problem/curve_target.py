@@ -10,8 +10,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from grainfit.arrays import Array
 from grainfit.errors import Fault, InputError
 from grainfit.messages import Message
 from grainfit.problem import messages
@@ -19,8 +20,6 @@ from grainfit.problem.correlations import symmetric_matrix
 from grainfit.student import student_factor
 from grainfit.units import percentage
 from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
-
-Array = NDArray[np.float64]
 
 #: Most points of a measured curve: the effort grows with their cube, and more say hardly more.
 MOST_POINTS = 400

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from grainfit.arrays import Array
 from grainfit.errors import Fault
 from grainfit.scenes import messages
 from grainfit.scenes.conditions import AtRest, Elapsed
@@ -20,8 +21,6 @@ from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism, Shape
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.scenes.stl import mesh_faults
-
-Array = NDArray[np.float64]
 
 _AXES = ("x", "y", "z")
 #: Overlap of two particles at the beginning that is no rounding error, over their distance.

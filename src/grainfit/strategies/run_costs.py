@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem, TestScope
-
-Array = NDArray[np.float64]
 
 #: Time that the choice and the start of a run take beside its simulation, s.
 _OVERHEAD = 1.0

@@ -12,12 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from grainfit.arrays import Array
 from grainfit.problem import Parameter
 from grainfit.student import NORMAL_QUANTILE
-
-Array = NDArray[np.float64]
 
 #: Standard deviation of an even spread over an interval of the length 1.
 _EVEN = math.sqrt(1.0 / 12.0)

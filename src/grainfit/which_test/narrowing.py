@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row
@@ -35,8 +35,6 @@ from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge, even_deviation
 from grainfit.which_test.slopes import Cloud
 from grainfit.which_test.told_by_atlas import are_dry_spheres, told_responses, untold_effects
-
-Array = NDArray[np.float64]
 
 #: Share of an interval above which a parameter counts as open: slopes are those of a straight line,
 #: so only wide intervals are worth a note.

@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import hadamard
 
+from grainfit.arrays import Array
 from grainfit.atlas.expectation import ExpectedResponse
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.problem import Parameter
 from grainfit.which_test.candidate import CandidateResponse
 from grainfit.which_test.knowledge import Knowledge, in_relative_units, in_si_units
-
-Array = NDArray[np.float64]
 
 #: Share of a cloud at an end of a direction.
 _END = 0.05

@@ -7,9 +7,9 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from grainfit.arrays import Array
 from grainfit.errors import InputError, NotMeasurableError
 from grainfit.evaluation import Response
 from grainfit.files import LARGEST_MESH, read_within
@@ -42,8 +42,6 @@ _CELLS, _VIEWS, _SECTORS = 500, 12, 24
 _SECOND = 0.2
 #: Standard uncertainty of an estimated particle diameter, relative.
 _ESTIMATED = 0.3
-
-Array = NDArray[np.float64]
 
 
 def is_scan(path: Path) -> bool:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grainfit import evaluation
+from grainfit.arrays import Array
 from grainfit.bulk_tests.compression import messages
 from grainfit.bulk_tests.compression.setup import CompressionSetup
 from grainfit.errors import NotMeasurableError
@@ -29,8 +29,6 @@ FITTED = (0.50, 0.98)
 _FEWEST_RECORDS = 5
 #: Points of a curve that is kept of every run.
 _CURVE_POINTS = 60
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from grainfit.bulk_tests.compression.curve import FITTED, Array, Curve, Modulus, fit_modulus
+from grainfit.arrays import Array
+from grainfit.bulk_tests.compression.curve import FITTED, Curve, Modulus, fit_modulus
 from grainfit.bulk_tests.compression.setup import CompressionSetup
 from grainfit.bulk_tests.shared.pot_view import PotView
 from grainfit.bulk_tests.view import MeasuredDrawing

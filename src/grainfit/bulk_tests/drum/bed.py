@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.drum.setup import DrumSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
@@ -31,8 +31,6 @@ _OUTER, _DEEP = 1.5, 2.0
 #: Particles at this angle from the middle of the bed and more are above its ends, degrees.
 _ABOVE = 120.0
 _FEWEST_FRAMES = 8
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

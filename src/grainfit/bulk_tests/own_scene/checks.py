@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.checks import Found, check
@@ -22,7 +23,6 @@ _TOLERATED = 0.05
 #: As many particles, spread over all, are looked at.
 _LOOKED_AT = 300
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 

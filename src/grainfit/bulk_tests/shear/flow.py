@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
@@ -28,8 +28,6 @@ _WINDOW = 2
 #: The density is measured from so many of the largest diameters above the middle of the lower plate
 #: to as many below that of the upper one: nearer to them is a layer that is less dense.
 _MARGIN = 1.5
-
-Array = NDArray[np.float64]
 
 
 #: Columns of the series of every stage in which the bed is sheared.

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.bulk_tests.shear.flow import Record
 from grainfit.bulk_tests.shear_cell import messages
 from grainfit.errors import NotMeasurableError
@@ -16,8 +16,6 @@ from grainfit.evaluation import Response
 
 #: Shear strain over which stresses are averaged: fluctuations of a small bed are no peak.
 WINDOW = 0.1
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.bulk_tests.triaxial import messages
 from grainfit.bulk_tests.triaxial.setup import SIDES, TriaxialSetup
 from grainfit.errors import NotMeasurableError, RunFailedError
@@ -27,8 +27,6 @@ _FEWEST_RECORDS = 40
 #: Strain over which angles are averaged before the largest counts, and stresses of curves.
 _PEAK_WINDOW, _CURVE_WINDOW = 0.02, 0.005
 _CURVE_POINTS = 60
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

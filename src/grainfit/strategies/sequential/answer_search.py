@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import (
     EQUAL_TIME_STEPS,
@@ -25,8 +25,6 @@ from grainfit.metamodels.unit_cube import (
 )
 from grainfit.problem import Problem
 from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
-
-Array = NDArray[np.float64]
 
 #: In squared tolerances, and larger than any misfit that matters.
 _FORBIDDEN = 1e6

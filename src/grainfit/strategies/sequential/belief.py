@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
@@ -21,8 +21,6 @@ from grainfit.strategies.sequential.options import SequentialOptions
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.out_of_reach import OutOfReach
-
-Array = NDArray[np.float64]
 
 #: Smallest probability at which fresh seeds at an answer are worth their runs.
 LIKELY = 0.5

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation
 from grainfit.problem import Problem, TestScope
-
-Array = NDArray[np.float64]
 
 #: Probability of success above which a point may be an answer, or a run of its own.
 LIKELY_TO_SUCCEED = 0.5

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
-
-Array = NDArray[np.float64]
 
 #: Number of equally likely outcomes of a run to average over.
 _OUTCOMES = 32

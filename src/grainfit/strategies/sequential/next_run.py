@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from operator import itemgetter
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
@@ -18,8 +18,6 @@ from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential.belief import Belief
 from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
-
-Array = NDArray[np.float64]
 
 #: If the doubt expected after the pending runs is below this share of the accepted doubt, they may
 #: be enough: to wait for them is cheaper than one run too many.

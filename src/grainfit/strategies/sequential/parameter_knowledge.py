@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from grainfit.arrays import Array
 from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.importance_sampling import (
     importance_sample,
@@ -19,8 +19,6 @@ from grainfit.metamodels.importance_sampling import (
 from grainfit.metamodels.likelihood import Likelihood, log_density, log_prior
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
-
-Array = NDArray[np.float64]
 
 #: Exact metamodels must narrow an interval by this share to justify further runs: then half of
 #: the metamodels' variance is worth 7 %, and that takes as many runs again.

@@ -20,8 +20,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.formatting import in_a_row, number
 from grainfit.metamodels.designs import maximin_latin_hypercube
@@ -48,8 +48,6 @@ from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledg
 from grainfit.strategies.sequential.stopping_rule import StoppingRule
 from grainfit.strategies.sequential.variance_reduction import most_narrowing_run
 from grainfit.verdict.options import VERDICT
-
-Array = NDArray[np.float64]
 
 #: Fewest runs of the design with two parameters or more.
 _SMALL_DESIGN = 5

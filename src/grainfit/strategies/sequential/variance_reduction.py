@@ -7,6 +7,7 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
 from grainfit.problem import TestScope
@@ -14,8 +15,6 @@ from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.sequential.next_run import NextRun
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
-
-Array = NDArray[np.float64]
 
 _NEAR_CANDIDATES, _NEAR_WIDTH = 96, 0.2
 _GLOBAL_CANDIDATES = 64

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares, lsq_linear
 
+from grainfit.arrays import Array
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.strategies.staged.residuals import (
@@ -17,8 +17,6 @@ from grainfit.strategies.staged.residuals import (
     residuals,
     residuals_at,
 )
-
-Array = NDArray[np.float64]
 
 _STARTS = 12
 _DIFFERENCE = 1e-6

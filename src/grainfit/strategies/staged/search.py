@@ -12,8 +12,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.metamodels.designs import maximin_latin_hypercube
@@ -36,8 +36,6 @@ from grainfit.strategies.staged.options import StagedOptions
 from grainfit.strategies.staged.residuals import expected_misfit, expected_misfit_at, residuals_at
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.out_of_reach import OutOfReach
-
-Array = NDArray[np.float64]
 
 #: Runs of the design per free parameter; the paper's study has 26 for two.
 DESIGN_RUNS_PER_PARAMETER = 13

@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grainfit.bulk_tests.view import CanBePhotographed, SeenOutline
 from grainfit.evaluation import Measured, names_of_tests, scalars
@@ -49,8 +48,6 @@ _BARS = [factor * 10.0**power for power in range(-5, 2) for factor in (1, 2, 5)]
 _LONGEST_BAR = 0.25
 #: Heaps whose sizes differ by less, relative, are drawn over each other at one scale.
 _ALIKE = 0.1
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,8 @@
+"""Arrays of numbers, as annotations name them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
