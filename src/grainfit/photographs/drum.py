@@ -40,7 +40,7 @@ from grainfit.photographs.videos import Video
 
 #: Fewest frames of a video, and fewest stills.
 FEWEST_FRAMES, FEWEST_STILLS = 8, 5
-#: Frames from which the colours are learnt.
+#: Frames from which the colours are taken.
 _LEARNT = 12
 #: The surface is also taken where colours are so much more, or less, those of the bed.
 _LEVELS = (0.0, -0.5, 0.5)

@@ -33,7 +33,7 @@ _FILL = (0.04, 0.8)
 _DIVIDED = 0.12
 #: Colours: steps of lightness and of both hues; largest logarithm of a ratio of frequencies.
 _STEPS, _SURE = (24, 12, 12), 3.0
-#: Colours this near to the surface, in radii, are not learnt from at first, and then.
+#: Colours this near to the surface, in radii, are not used at first, and then.
 _MARGINS = (0.12, 0.05)
 #: Least mean difference of the logarithms just below and just above the surface.
 _CONTRAST = 1.8

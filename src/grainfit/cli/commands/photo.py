@@ -14,102 +14,109 @@ from grainfit.cli.local_page import OpenPage, Port, serve_page
 from grainfit.errors import InputError
 
 
+def _length(said: str) -> Any:
+    return typer.Option(metavar="LENGTH", help=said)
+
+
+def _angle(said: str) -> Any:
+    return typer.Option(metavar="ANGLE", help=said)
+
+
+Pictures = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="PICTURE...",
+        help="Pictures, each of a heap of its own; a folder has pictures of one heap. Videos, "
+        "or at least five stills, of a drum; pictures of slopes or draw-downs, each a repeat.",
+        show_default=False,
+    ),
+]
+Test = Annotated[
+    Literal["heap", "funnel", "draw_down", "drum", "slope"],
+    typer.Option(help="Test that is photographed."),
+]
+Diameter = Annotated[
+    str | None, _length('Of the particles, such as "3 mm"; needs --plate or --box.')
+]
+Plate = Annotated[str | None, _length('Diameter of the round plate, such as "200 mm".')]
+Elevation = Annotated[
+    str | None,
+    _angle(
+        'Of the camera above the horizontal, such as "5 deg", where neither plate nor foot tell it.'
+    ),
+]
+BoxWidth = Annotated[str | None, _length("Inner width of the box of a draw-down.")]
+DrumDiameter = Annotated[str | None, _length('Inner diameter of the drum, such as "84 mm".')]
+Distance = Annotated[
+    str | None,
+    _length(
+        'Of the camera before the front of the drum, such as "50 cm", with --drum and '
+        "--length: takes perspective out."
+    ),
+]
+DrumLength = Annotated[str | None, _length('Of the drum along its axis, such as "20 mm".')]
+Level = Annotated[
+    str | None,
+    _angle(
+        "Standard uncertainty of how level the camera before drum or slope is, 0.5 deg "
+        "if nothing tells it."
+    ),
+]
+Corners = Annotated[
+    str | None,
+    typer.Option(
+        metavar="X,Y X,Y X,Y X,Y",
+        help="Corners of a level rectangle in a picture without marker sheet, pixels.",
+    ),
+]
+Sides = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LENGTH x LENGTH", help='Its sides, such as "297 mm x 210 mm": a known length.'
+    ),
+]
+LevelLine = Annotated[
+    str | None,
+    typer.Option(
+        metavar="X,Y X,Y", help="Two points of a level line in a picture of a slope, pixels."
+    ),
+]
+Edit = Annotated[
+    bool,
+    typer.Option(
+        "--edit",
+        help="Serve a page on this machine on which plate line, axis, outline and four points "
+        "of one picture can be drawn by hand.",
+    ),
+]
+Overlays = Annotated[
+    Path, typer.Option(metavar="DIR", help="Where pictures with what was found are written.")
+]
+MarkerSheet = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE.pdf", help="Write the sheet of markers to print, no more."),
+]
+
+
 def photo(
-    pictures: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="PICTURE...",
-            help="Pictures, each of a heap of its own; a folder has pictures of one heap. Videos, "
-            "or at least five stills, of a drum; pictures of slopes or draw-downs, each a repeat.",
-            show_default=False,
-        ),
-    ] = None,
-    test: Annotated[
-        Literal["heap", "funnel", "draw_down", "drum", "slope"],
-        typer.Option(help="Test that is photographed."),
-    ] = "heap",
-    diameter: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LENGTH", help='Of the particles, such as "3 mm"; needs --plate or --box.'
-        ),
-    ] = None,
-    plate: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help='Diameter of the round plate, such as "200 mm".'),
-    ] = None,
-    elevation: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ANGLE",
-            help='Of the camera above the horizontal, such as "5 deg", where neither plate nor '
-            "foot tell it.",
-        ),
-    ] = None,
-    box: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Inner width of the box of a draw-down."),
-    ] = None,
-    drum: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help='Inner diameter of the drum, such as "84 mm".'),
-    ] = None,
-    distance: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LENGTH",
-            help='Of the camera before the front of the drum, such as "50 cm", with --drum and '
-            "--length: takes perspective out.",
-        ),
-    ] = None,
-    length: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help='Of the drum along its axis, such as "20 mm".'),
-    ] = None,
-    level: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ANGLE",
-            help="Standard uncertainty of how level the camera before drum or slope is, 0.5 deg "
-            "if nothing tells it.",
-        ),
-    ] = None,
-    points: Annotated[
-        str | None,
-        typer.Option(
-            metavar="X,Y X,Y X,Y X,Y",
-            help="Corners of a level rectangle in a picture without marker sheet, pixels.",
-        ),
-    ] = None,
-    rectangle: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LENGTH x LENGTH", help='Its sides, such as "297 mm x 210 mm": a known length.'
-        ),
-    ] = None,
-    reference: Annotated[
-        str | None,
-        typer.Option(
-            metavar="X,Y X,Y", help="Two points of a level line in a picture of a slope, pixels."
-        ),
-    ] = None,
-    edit: Annotated[
-        bool,
-        typer.Option(
-            "--edit",
-            help="Serve a page on this machine on which plate line, axis, outline and four points "
-            "of one picture can be drawn by hand.",
-        ),
-    ] = False,
+    pictures: Pictures = None,
+    test: Test = "heap",
+    diameter: Diameter = None,
+    plate: Plate = None,
+    elevation: Elevation = None,
+    box: BoxWidth = None,
+    drum: DrumDiameter = None,
+    distance: Distance = None,
+    length: DrumLength = None,
+    level: Level = None,
+    points: Corners = None,
+    rectangle: Sides = None,
+    reference: LevelLine = None,
+    edit: Edit = False,
     port: Port = 0,
     open_page: OpenPage = False,
-    overlays: Annotated[
-        Path, typer.Option(metavar="DIR", help="Where pictures with what was found are written.")
-    ] = Path("overlays"),
-    marker: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.pdf", help="Write the sheet of markers to print, no more."),
-    ] = None,
+    overlays: Overlays = Path("overlays"),
+    marker: MarkerSheet = None,
 ) -> None:
     """Measure heaps, draw-downs, drums and slopes on photographs and videos, as simulated ones.
 
@@ -124,28 +131,30 @@ def photo(
     Example:  grainfit photo --test slope plane_*.jpg --level "0.1 deg"
     """
     if marker is not None:
-        from grainfit.photographs.marker import write_marker_sheet
-
-        write_marker_sheet(marker)
-        show.print_parts(out, (messages.MARKER_SHEET(path=marker),))
+        _write_sheet(marker)
         return
     if not pictures:
         raise InputError(messages.NO_PICTURES.fault("PICTURE"))
     known: dict[str, Any] = {"diameter": diameter, "plate": plate, "elevation": elevation}
-    corners = None if points is None else _places("points", points, 4)
-    sides = None if rectangle is None else rectangle.split("x")
-    known |= {"points": corners, "rectangle": sides}
+    known["points"] = None if points is None else _places("points", points, 4)
+    known["rectangle"] = None if rectangle is None else rectangle.split("x")
     if edit:
         _edit(pictures, port, open_page, known)
         return
+    known |= {"box": box, "drum": drum, "distance": distance, "length": length, "level": level}
+    known["reference"] = None if reference is None else _places("reference", reference, 2)
     with err_remarks.status("photographs"):
         from grainfit.photographs.photo import photo as measured
 
-        line = None if reference is None else _places("reference", reference, 2)
-        known |= {"box": box, "drum": drum, "distance": distance, "length": length, "level": level}
-        known |= {"reference": line, "overlays": overlays}
-        found = measured(pictures, test, **known)
+        found = measured(pictures, test, overlays=overlays, **known)
     show.print_parts(out, found.summary())
+
+
+def _write_sheet(marker: Path) -> None:
+    from grainfit.photographs.marker import write_marker_sheet
+
+    write_marker_sheet(marker)
+    show.print_parts(out, (messages.MARKER_SHEET(path=marker),))
 
 
 def _places(key: str, given: str, count: int) -> list[tuple[float, float]]:
