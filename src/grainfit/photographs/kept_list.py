@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -70,7 +71,12 @@ class KeptPictures:
         """Return whether an original is still what was measured."""
         if self.originals is None:
             return "unknown"
-        digest = hash_of(self.originals / file)
+        path = self.originals / file
+        try:
+            found = path.stat()
+        except OSError:
+            return "gone"
+        digest = _hash_once(path, found.st_size, found.st_mtime_ns)
         if not digest:
             return "gone"
         return "the same" if digest == sha256 else "changed"
@@ -83,6 +89,12 @@ def hash_of(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""
+
+
+@lru_cache
+def _hash_once(path: Path, _size: int, _changed: int) -> str:
+    """Return the hash of a file that is asked for often, as long as it is not written."""
+    return hash_of(path)
 
 
 def write_list(work_folder: Path, originals: Path, targets: Sequence[Mapping[str, Any]]) -> None:
