@@ -75,6 +75,18 @@ def test_the_file_of_every_material_and_test_passes_the_check(
     assert [target.name for target in plan.targets] == list(BUILT_IN[test].responses)
 
 
+def test_the_file_of_an_instrument_has_particles_that_bear_its_stress(tmp_path: Path) -> None:
+    path = tmp_path / "new.toml"
+    material = read_starting_material("plastic_pellets")
+    path.write_text(starter_file(["ft4_shear"], material), encoding="utf-8")
+
+    plan = describe_plan(gf.load(path))
+
+    assert plan.problems == ()
+    assert 'youngs_modulus = "10 MPa"' in path.read_text(encoding="utf-8")
+    assert "3 MPa" in path.read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("material", MATERIALS)
 def test_every_value_stands_below_its_source(tmp_path: Path, material: str) -> None:
     found = read_starting_material(material)

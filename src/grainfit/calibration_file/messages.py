@@ -165,6 +165,10 @@ HOLDOUT_LINE = Message(
 HOLDOUT_MEASURED = Message("Its measured values take no part in the fit.")
 HOLDOUT_UNMEASURED = Message("It has no measured value: what is expected will be told.")
 NO_ACCURACY = Message("{given!r} has no value.", "Write NAME=VALUE.")
+RAISED_MODULUS = Message(
+    "{source} That is {usual}; here they are stiffer, because the stress of the instrument would "
+    "compress such particles instead of the bed."
+)
 NO_BULK_TEST = Message("{name!r} is not a bulk test.", "{remedy}")
 NO_RESPONSE_OF_TESTS = Message("is no response of a bulk test.", "{remedy}")
 UNIT_OF_OWN_MODEL = Message(

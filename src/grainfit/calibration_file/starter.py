@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import radians, tan
 
-from grainfit.bulk_tests.abilities import starter_remarks
+from grainfit.bulk_tests.abilities import material_faults, starter_remarks
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained
 from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
@@ -26,6 +27,8 @@ from grainfit.units import to_unit
 #: Column at which remarks begin.
 _REMARK = 40
 _WIDTH = 100
+#: Young's moduli to choose from where an instrument needs stiff particles, Pa.
+_ROUND_MODULI = [digit * 10.0**power for power in (6, 7, 8) for digit in (1, 2, 5)]
 _DEFAULT_TEST, _DEFAULT_SOLVER = "heap", "lammps"
 
 _HEAD = """\
@@ -163,15 +166,14 @@ def starter_file(
         diameter = f"{DIAMETER_OF_EXAMPLES} mm"
         tests = [known[kind](diameter=diameter) for kind in dict.fromkeys(kinds.values())]
         own = diameter if material is None else material.sections["particle"]["diameter"].value
-        for one in instruments.values():
-            known[one.type](diameter=own, **one.values)
+        as_real = [known[one.type](diameter=own, **one.values) for one in instruments.values()]
         program = DEM_PROGRAMS[solver]
         faults = [f for test in tests for f in program.concept_faults(test.type, concepts(test))]
     InputError.raise_for(faults)
     if material is None:
         first = _for_solver(_GLASS_BEADS, solver)
     else:
-        first = _material_part(material, solver, tests)
+        first = _material_part(_stiff_enough(material, as_real), solver, tests)
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
         instrument = instruments.get(name)
@@ -204,6 +206,24 @@ def starter_test(
     test = bulk_tests()[instrument.type if instrument else name]
     lines = _test(test, name if instrument else "", solver, material, instrument)
     return "".join(f"{'# ' * line.startswith('targets.')}{line}\n" for line in lines)
+
+
+def _stiff_enough(material: StartingMaterial, tests: Sequence[BulkTest]) -> StartingMaterial:
+    """Return the material, with a modulus that bears the stresses that instruments prescribe."""
+    key, particle = "youngs_modulus", material.sections["particle"]
+    usual = to_unit(str(particle[key].value), "Pa")
+
+    def is_too_soft(modulus: float) -> bool:
+        return any(any(material_faults(t, {f"particle.{key}": modulus})) for t in tests)
+
+    moduli = [usual, *(m for m in _ROUND_MODULI if m > usual)]
+    enough = next((modulus for modulus in moduli if not is_too_soft(modulus)), usual)
+    if enough == usual:
+        return material
+    source = messages.RAISED_MODULUS(source=particle[key].source, usual=particle[key].value)
+    stiffer = StartingValue(f"{enough / 1e6:g} MPa", source)
+    sections = {**material.sections, "particle": {**particle, key: stiffer}}
+    return replace(material, sections=sections)
 
 
 def _material_part(material: StartingMaterial, solver: str, tests: Sequence[BulkTest]) -> str:
