@@ -514,8 +514,8 @@ def test_a_filmed_drum_and_the_simulated_one_are_beside_each_other(folder: Path)
     by_name = {name: (photographed, of_run) for name, photographed, of_run in found.angles}
     target = saved.problem.targets[0]
     assert by_name["dynamic angle"] == (
-        f"{target.value:.2f} ± {target.uncertainty:.2f}",
-        f"{run['dynamic_angle'].value:.2f} ± {run['dynamic_angle'].standard_error:.2f}",
+        f"{target.value:.2f} ± {target.uncertainty:.2f}°",
+        f"{run['dynamic_angle'].value:.2f} ± {run['dynamic_angle'].standard_error:.2f}°",
     )
     assert len(by_name) == 4
     # Both drums are equally large, and both surfaces are where the angles say.

@@ -212,7 +212,7 @@ class Comparison:
     drum_radius : float
         Of both drums, units of the drawing; 0 of a heap.
     angles : sequence of (str, str, str)
-        Angles in a drum: name, photographed and simulated, °.
+        Angles in a drum: name, photographed and simulated.
     changed, gone : sequence of str
         Originals that are others now, and that are not there any more.
     """
@@ -321,8 +321,8 @@ def _angles(
         run = of_run.get(name)
         yield (
             plain(name.replace("_", " ")),
-            _with_error(*found, 2),
-            _with_error(run.value, run.standard_error, 2) if run else "",
+            f"{_with_error(*found, 2)}°",
+            f"{_with_error(run.value, run.standard_error, 2)}°" if run else "",
         )
 
 
