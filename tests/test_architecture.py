@@ -14,6 +14,7 @@ from tools.house import (
     FLOORS,
     OUTSIDE,
     PICTURE,
+    ROOT,
     circles,
     drawing,
     imports,
@@ -21,6 +22,7 @@ from tools.house import (
     room_of,
     upward_imports,
 )
+from tools.house_figures import ABILITIES, lines_of, old_lines
 
 
 def test_every_room_has_a_floor() -> None:
@@ -75,3 +77,10 @@ def test_nothing_in_a_package_shadows_one_of_its_modules(package: str) -> None:
 def test_the_picture_of_the_house_is_current() -> None:
     drawn = PICTURE.read_text(encoding="utf-8")
     assert drawn == drawing(), "run: python tools/house.py --draw"
+
+
+def test_each_module_counts_once_among_old_lines_and_new_abilities() -> None:
+    new = sum(lines_of(ROOT, globs) for _, globs in ABILITIES.values())
+    whole = sum(len(path.read_text("utf-8").splitlines()) for path in modules().values())
+
+    assert sum(old_lines(ROOT).values()) + new == whole

@@ -223,8 +223,8 @@ def _figures(checkout: Path) -> dict[str, str]:
 
 def since(now: Path, before: Path) -> str:
     """Return the lines of old abilities then and now, and those of new ones, as Markdown."""
-    old, new = _purposes(before), _purposes(now)
-    added = {name: _lines(now, globs) for name, (_, globs) in ABILITIES.items()}
+    old, new = old_lines(before), old_lines(now)
+    added = {name: lines_of(now, globs) for name, (_, globs) in ABILITIES.items()}
     purposes = [*PURPOSES, "modules of the ground"]
     rows = [["of 0.2.0:", "", ""]]
     rows += [[name, f"{old[name]:,}", f"{new[name]:,}"] for name in purposes]
@@ -238,7 +238,7 @@ def since(now: Path, before: Path) -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in [*heads, *rows])
 
 
-def _purposes(checkout: Path) -> Counter[str]:
+def old_lines(checkout: Path) -> Counter[str]:
     """Count the lines of the old abilities by their purpose."""
     of_room = {room: name for name, rooms in PURPOSES.items() for room in rooms}
     package = checkout / "src" / "grainfit"
@@ -257,7 +257,8 @@ def _catalogues(checkout: Path) -> str:
     return f"{sum(map(_length, found)):,}" if found else "-"
 
 
-def _lines(checkout: Path, globs: Iterable[str]) -> int:
+def lines_of(checkout: Path, globs: Iterable[str]) -> int:
+    """Count the lines of the modules of a new ability."""
     return sum(map(_length, _files_of(checkout, globs)))
 
 

@@ -10,7 +10,7 @@ from typing import Any, Literal, Protocol, get_args, overload
 
 import numpy as np
 
-from grainfit.errors import Fault, InputError, NotMeasurableError
+from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Response
 from grainfit.messages import Message
 from grainfit.one_line import OneLine
@@ -21,8 +21,8 @@ from grainfit.photographs.drum import DrumSize
 from grainfit.photographs.drum_photo import PhotographedDrum, photo_drum
 from grainfit.photographs.heap import HeapInPicture, measure_heap
 from grainfit.photographs.overlay import draw_overlay
-from grainfit.photographs.pictures import Picture, is_picture, opencv, read_picture
-from grainfit.photographs.several import with_sources
+from grainfit.photographs.pictures import Picture, is_picture, opencv
+from grainfit.photographs.several import measure_each, with_sources
 from grainfit.photographs.slope import Points
 from grainfit.photographs.slope_photo import PhotographedSlopes, photo_slopes
 from grainfit.photographs.videos import is_video
@@ -289,31 +289,18 @@ def _photo_heaps(
     points: Sequence[tuple[float, float]] | None,
     overlays: PathLike | None,
 ) -> PhotographedHeaps:
-    heaps, refused = [], {}
     groups = _groups(pictures)
     if points is not None and sum(map(len, groups)) > 1:
         raise InputError(messages.ONE_PICTURE.fault("points"))
-    for group in groups:
-        heap = []
-        for path in group:
-            picture = read_picture(path)
-            if points is not None:
-                picture = with_points(picture, points)
-            found: HeapInPicture | str
-            try:
-                found = measure_heap(picture, **known)
-                heap.append(found)
-            except NotMeasurableError as error:
-                found = refused[path] = str(error)
-            if overlays is not None:
-                draw_overlay(Path(overlays), picture, found)
-        if heap:
-            heaps.append(tuple(heap))
-    if not heaps:
-        reasons = "\n".join(messages.REFUSED(path=p, reason=why) for p, why in refused.items())
-        raise NotMeasurableError(
-            messages.ALL_REFUSED(reasons=reasons) if len(refused) > 1 else reasons
-        )
+    measured, refused = measure_each(
+        [path for group in groups for path in group],
+        lambda one: measure_heap(one if points is None else with_points(one, points), **known),
+        draw_overlay,
+        None if overlays is None else Path(overlays),
+    )
+    found = iter(measured)
+    heaps = [tuple(next(found) for path in group if path not in refused) for group in groups]
+    heaps = [heap for heap in heaps if heap]
     response, parts = mean_of_heaps(heaps)
     return PhotographedHeaps(response, tuple(heaps), parts, refused)
 

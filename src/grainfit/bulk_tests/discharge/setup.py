@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from typing import ClassVar
 
 from grainfit.bulk_tests.discharge import messages
-from grainfit.bulk_tests.setup import Setup
-from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
+from grainfit.bulk_tests.shared.filling import count_faults
+from grainfit.bulk_tests.shared.flow_setup import FlowSetup
 from grainfit.bulk_tests.shared.round_container import RoundContainer
-from grainfit.bulk_tests.shared.slot_box import (
-    SlotBox,
-    default_length,
-    flow_time,
-    measured_heights,
-    shortest_flow,
-)
-from grainfit.bulk_tests.shared.slot_scene import Flow
+from grainfit.bulk_tests.shared.slot_box import SlotBox, flow_time
 from grainfit.bulk_tests.shared.vessel import Vessel
 from grainfit.errors import Fault
 from grainfit.scenes.packing import Footprint, Rectangle, Round
-from grainfit.scenes.scene import natural_time
 
 SLOT, ROUND = "slot", "round"
 #: Default diameter of a round orifice, in Sauter diameters; it is not smaller than so many of the
@@ -33,25 +26,20 @@ _OPEN_ORIFICE, _OPEN_SLOT = 8.0, 6.5
 _EMPTY_RIM = 1.5
 #: Options of the other kind of orifice.
 _MISPLACED = {SLOT: ("orifice_diameter",), ROUND: ("slot_width", "depth")}
-#: The particles come to rest this long after the flow has ended, over sqrt(d/g).
-_SETTLING = 15.0
-#: Longest time of a stage over the expected one.
-_PATIENCE = 4.0
 #: Thickness of the floor of a box, in diameters.
 _THICKNESS = 0.5
 
 
-class DischargeSetup(Setup):
+class DischargeSetup(FlowSetup):
     """Geometry and procedure of a discharge."""
+
+    settling: ClassVar[float] = 15.0
+    patience: ClassVar[float] = 4.0
 
     @property
     def is_round(self) -> bool:
         """Whether the container is a cylinder with a round orifice."""
         return bool(self.orifice == ROUND)
-
-    def usual(self, name: str, diameters: float) -> float:
-        """Return the default of a length of the container, m."""
-        return default_length(self.real, name, diameters)
 
     def of_slot(self, name: str, diameters: float) -> float | None:
         """Return the default of a length that only a container with a slot has, m."""
@@ -110,11 +98,6 @@ class DischargeSetup(Setup):
         """Half the width of the simulated space that the walls need, m."""
         return self.half_width
 
-    @property
-    def bed_height(self) -> float:
-        """Height of the bed before it settles, m."""
-        return float(self.fill_height)
-
     @cached_property
     def container(self) -> SlotBox | RoundContainer:
         """The container."""
@@ -131,41 +114,16 @@ class DischargeSetup(Setup):
         """Cross-section of the container."""
         return Round(self.half_width) if self.is_round else Rectangle(self.width, self.depth)
 
-    @cached_property
-    def filling(self) -> Filling:
-        """Particles of the container."""
-        return plan_filling(self.sizes, self.footprint, self.bed_height, self.gravity)
-
-    @property
-    def density_heights(self) -> tuple[float, float]:
-        """Heights between which the bulk density of the bed is measured, m."""
-        return measured_heights(self.sizes, self.bed_height)
-
     @property
     def underside(self) -> float:
         """Height below which particles have left the container, m."""
         return self.container.underside
-
-    @property
-    def flow(self) -> Flow:
-        """Times of the flow."""
-        return Flow(shortest_flow(self.sizes, self.gravity), self.settling_time_limit)
 
     @cached_property
     def beverloo_time(self) -> float:
         """Time in which all particles flow out by Beverloo's law, s."""
         area, opening = _equivalent_slot(self.container, self.bed_height)
         return flow_time(self.sizes, area, opening, self.gravity)
-
-    @cached_property
-    def flow_time(self) -> float:
-        """Expected time until the particles are at rest again, s."""
-        return self.beverloo_time + _SETTLING * natural_time(self.sizes, self.gravity)
-
-    @property
-    def usual_limit(self) -> float:
-        """Default of the longest time in which the particles may come to rest, s."""
-        return _PATIENCE * self.flow_time
 
     def fault_stages(self) -> Iterator[list[Fault]]:
         """Iterate over what is impossible: options, the container, the number of particles."""

@@ -4,36 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from typing import ClassVar
 
 from grainfit.bulk_tests.draw_down import messages
-from grainfit.bulk_tests.setup import Setup
-from grainfit.bulk_tests.shared.filling import Filling, count_faults, plan_filling
-from grainfit.bulk_tests.shared.slot_box import (
-    SlotBox,
-    default_length,
-    flow_time,
-    measured_heights,
-    shortest_flow,
-)
-from grainfit.bulk_tests.shared.slot_scene import Flow
+from grainfit.bulk_tests.shared.filling import count_faults
+from grainfit.bulk_tests.shared.flow_setup import FlowSetup
+from grainfit.bulk_tests.shared.slot_box import SlotBox, flow_time
 from grainfit.errors import Fault
 from grainfit.scenes.packing import Rectangle
-from grainfit.scenes.scene import natural_time
 
-#: The particles come to rest this long after the flow has ended, over sqrt(d/g).
-_SETTLING = 25.0
-#: Longest time of a stage over the expected one.
-_PATIENCE = 3.0
 #: Distance that the apex of the heap must keep from the shelf, in diameters.
 CLEARANCE = 2.0
 
 
-class DrawDownSetup(Setup):
+class DrawDownSetup(FlowSetup):
     """Geometry and procedure of a draw-down."""
 
-    def usual(self, name: str, diameters: float) -> float:
-        """Return the default of a length of the upper box, m."""
-        return default_length(self.real, name, diameters)
+    settling: ClassVar[float] = 25.0
+    patience: ClassVar[float] = 3.0
 
     @property
     def usual_distance(self) -> float:
@@ -61,16 +49,6 @@ class DrawDownSetup(Setup):
         """Cross-section of the upper box."""
         return Rectangle(self.width, self.depth)
 
-    @cached_property
-    def filling(self) -> Filling:
-        """Particles of the upper box."""
-        return plan_filling(self.sizes, self.footprint, self.fill_height, self.gravity)
-
-    @property
-    def density_heights(self) -> tuple[float, float]:
-        """Heights between which the bulk density of the bed is measured, m."""
-        return measured_heights(self.sizes, self.fill_height)
-
     @property
     def underside(self) -> float:
         """Height of the underside of the shelf, m; negative."""
@@ -81,26 +59,11 @@ class DrawDownSetup(Setup):
         """Height of the lower floor, m; negative."""
         return float(self.underside - self.floor_distance)
 
-    @property
-    def flow(self) -> Flow:
-        """Times of the flow."""
-        return Flow(shortest_flow(self.sizes, self.gravity), self.settling_time_limit)
-
     @cached_property
     def beverloo_time(self) -> float:
         """Time in which all particles flow out by Beverloo's law, s."""
         area = self.width * self.fill_height
         return flow_time(self.sizes, area, self.slot_width, self.gravity)
-
-    @cached_property
-    def flow_time(self) -> float:
-        """Expected time until the particles are at rest again, s."""
-        return self.beverloo_time + _SETTLING * natural_time(self.sizes, self.gravity)
-
-    @property
-    def usual_limit(self) -> float:
-        """Default of the longest time in which the particles may come to rest, s."""
-        return _PATIENCE * self.flow_time
 
     def fault_stages(self) -> Iterator[list[Fault]]:
         """Iterate over what is impossible: the upper box, then the floor and the particles."""
