@@ -479,7 +479,7 @@ def test_an_exported_table_can_be_calibrated_on_and_imported_as_it_is(sand: Path
     known = [found["angle"] for found in made.values()]
     assert len(looked_up) > 5
     assert all(response in known for response in looked_up)
-    assert len({response.standard_error for response in looked_up}) > 5
+    assert len({response.standard_error for response in looked_up}) > 1
     text = Path("theirs.csv").read_text()
     Path("old.csv").write_text(text.replace("angle.standard_error", "angle_std_error"))
     file.write_text(file.read_text().replace("theirs.csv", "old.csv"))

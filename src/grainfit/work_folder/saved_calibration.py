@@ -210,7 +210,8 @@ class SavedCalibration:
 
         It has metamodels, their quality, posterior, intervals and notes.
         """
-        return self._parameters_analysed
+        whole: Analysis | None = vars(self).get("_analysis")
+        return whole or self._parameters_analysed
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the sentences and tables that `print` and a notebook show."""

@@ -101,9 +101,7 @@ def write_sheet(source: str | Path | SavedCalibration, output: str | Path | None
     path = Path(output) if output is not None else reading.folder / SHEET_NAME
     # An analysis takes seconds, and is only needed where the result has no intervals.
     known = reading.result is not None and reading.result.intervals
-    sheet = _Sheet(
-        ReportContext(reading, Analysis() if known else reading.analyse_parameters()), card
-    )
+    sheet = _Sheet(ReportContext(reading, Analysis() if known else reading.analyse()), card)
     try:
         with in_place_of(path) as place:
             sheet.write(place)
