@@ -132,11 +132,14 @@ class Recovered:
             return None
         return found["verified_mean"], found["verified_interval"]
 
-    def is_covered(self, response: str, verified: bool) -> bool:
-        """Whether the stated interval has the truth, which is itself known to an interval only."""
+    def is_covered(self, response: str, verified: bool) -> bool | None:
+        """Whether the stated interval has the truth, which is itself known to an interval only.
+
+        None where none is stated: a verification that cannot decide is not begun.
+        """
         stated, truth = self.stated(response, verified), self.truth(response)
         if stated is None:
-            return False
+            return None
         return abs(stated[0] - truth.mean) <= math.hypot(stated[1], truth.half_width)
 
 
@@ -212,10 +215,10 @@ class Findings:
                 found.append(Recovered(number, recovery.true_parameters(number), record, fresh))
         return found
 
-    def coverage(self, response: str, verified: bool) -> float | None:
-        """Share of the recovery cases whose stated interval has the truth."""
-        cases = self.recovered()
-        return fmean(c.is_covered(response, verified) for c in cases) if cases else None
+    def coverage(self, response: str, verified: bool) -> tuple[int, int]:
+        """Numbers of recovery cases whose stated interval has the truth, and that state one."""
+        found = [case.is_covered(response, verified) for case in self.recovered()]
+        return sum(map(bool, found)), sum(one is not None for one in found)
 
     def speed_up(self) -> dict[str, float] | None:
         """The modulus that computes fastest against the nominal one, both calibrated."""
@@ -365,13 +368,14 @@ class Findings:
             for response in RESPONSES:
                 words = (
                     f"recovery: 95 % intervals of the {kind} {response.replace('_', ' ')} hold in "
-                    f"{100 * low:.0f} to {100 * high:.0f} % of {recovery.SETS} cases"
+                    f"{100 * low:.0f} to {100 * high:.0f} % of the cases that have one"
                 )
-                share = self.coverage(response, verified) if is_whole else None
-                if share is None:
+                covered, stated = self.coverage(response, verified)
+                if not is_whole or not stated:
                     yield Goal(words, "", None)
                 else:
-                    yield Goal(words, f"{100 * share:.0f} %", low <= share <= high)
+                    found = f"{covered} of {stated} ({recovery.SETS} cases)"
+                    yield Goal(words, found, low <= covered / stated <= high)
 
 
 def _runs(row: Row) -> float:
