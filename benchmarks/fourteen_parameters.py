@@ -114,7 +114,8 @@ def table(records: Sequence[Record]) -> str:
     """Return the findings as a table in Markdown."""
     lines = ["| parameter | truth in the 95 % interval | called |", "|---|---|---|"]
     held = 0
-    for parameter in PARAMETERS:
+    short = short_names([parameter.name for parameter in PARAMETERS])
+    for parameter, shown in zip(PARAMETERS, short, strict=True):
         found = [record["intervals"][parameter.name] for record in records]
         inside = sum(
             low <= record["truth"][parameter.name] <= high
@@ -122,7 +123,7 @@ def table(records: Sequence[Record]) -> str:
         )
         held += inside
         words = ", ".join(word for _, _, word in found)
-        lines.append(f"| {short_names([parameter.name])[0]} | {inside} | {words} |")
+        lines.append(f"| {shown} | {inside} | {words} |")
     calibrated = sum(record["status"] == "calibrated" for record in records)
     runs = ", ".join(str(record["runs"]) for record in records)
     lines.append(
