@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.evaluation import Curve, Measured
 from grainfit.measurement.angle_of_repose import Flank
 from grainfit.measurement.drawing import Drawing
@@ -63,8 +63,8 @@ class SeenOutline:
         Inner radius of a drum, m; 0 of a heap.
     """
 
-    x: NDArray[np.float64]
-    heights: NDArray[np.float64]
+    x: Array
+    heights: Array
     drum_radius: float = 0.0
 
     @classmethod

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.metamodels import messages
-from grainfit.metamodels.predictor import FloatArray
 
 # Beyond these, squares of the response or of its rounding error are no floating-point numbers.
 _MAGNITUDES = (1e-100, 1e100)
 
 
-def checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> FloatArray:
+def checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> Array:
     """Return an array as finite floats.
 
     Parameters
@@ -46,7 +46,7 @@ def checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> Float
     return found
 
 
-def checked_values(values: ArrayLike, n: int) -> FloatArray:
+def checked_values(values: ArrayLike, n: int) -> Array:
     """Return n responses whose squares are floating-point numbers, or raise `InputError`."""
     found = checked("values", values, (n,))
     largest = float(np.abs(found).max(initial=0.0))
@@ -57,7 +57,7 @@ def checked_values(values: ArrayLike, n: int) -> FloatArray:
     return found
 
 
-def checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance") -> FloatArray:
+def checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance") -> Array:
     """Return n variances or standard errors, 0 where none are given, or raise `InputError`."""
     if noise is None:
         return np.zeros(n)
@@ -67,7 +67,7 @@ def checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance")
     return found
 
 
-def checked_points(points: ArrayLike, d: int | None) -> FloatArray:
+def checked_points(points: ArrayLike, d: int | None) -> Array:
     """Return points in or about the unit cube of d dimensions, or raise `InputError`."""
     found = checked("points", points, (None, d))
     if found.size and (found.min() < -1.0 or found.max() > 2.0):

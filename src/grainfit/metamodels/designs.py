@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.metamodels import messages
-
-_Floats = NDArray[np.float64]
 
 #: Exponent of the phi_p criterion as a power of two: repeated squaring is far cheaper than `**`.
 _SQUARINGS = 4
@@ -25,7 +24,7 @@ _MOST_WORK = 5e8
 _MOST_POINTS = 3_000
 
 
-def maximin_latin_hypercube(n: int, d: int, seed: int) -> _Floats:
+def maximin_latin_hypercube(n: int, d: int, seed: int) -> Array:
     """Spread points evenly over the unit cube: a Latin hypercube with a large smallest distance.
 
     Every column cut into `n` strata holds one point in the middle of each (a *centred* Latin
@@ -85,7 +84,7 @@ def _require_whole_numbers(arguments: dict[str, tuple[Any, int]]) -> None:
     )
 
 
-def _squared_distances(columns: _Floats) -> _Floats:
+def _squared_distances(columns: Array) -> Array:
     squared = np.zeros((columns.shape[1], columns.shape[1]))
     for column in columns:
         squared += np.subtract.outer(column, column) ** 2
@@ -93,7 +92,7 @@ def _squared_distances(columns: _Floats) -> _Floats:
     return squared
 
 
-def _weights(squared: _Floats) -> _Floats:
+def _weights(squared: Array) -> Array:
     """Terms of the phi_p criterion, distance**-p, from squared distances."""
     weights = np.reciprocal(squared)
     for _ in range(_SQUARINGS):
@@ -101,7 +100,7 @@ def _weights(squared: _Floats) -> _Floats:
     return weights
 
 
-def _anneal(levels: _Floats, random: np.random.Generator) -> _Floats:
+def _anneal(levels: Array, random: np.random.Generator) -> Array:
     """Best Latin hypercube met while annealing; `levels` are whole numbers, shape (d, n).
 
     Squared distances of whole numbers are whole numbers, so updates cause no rounding errors.
@@ -123,9 +122,9 @@ def _anneal(levels: _Floats, random: np.random.Generator) -> _Floats:
 
 
 def _swap(
-    levels: _Floats,
-    squared: _Floats,
-    weights: _Floats,
+    levels: Array,
+    squared: Array,
+    weights: Array,
     temperature: float,
     random: np.random.Generator,
 ) -> bool:
@@ -171,12 +170,12 @@ def _candidates(
 
 
 def _squared_distances_after(
-    levels: _Floats,
-    squared: _Floats,
+    levels: Array,
+    squared: Array,
     point: int,
     columns: NDArray[np.intp],
     partners: NDArray[np.intp],
-) -> tuple[_Floats, _Floats]:
+) -> tuple[Array, Array]:
     """Squared distances of the point, and of each partner, to all points after each swap."""
     old, new = levels[columns, point], levels[columns, partners]
     change = (new + old)[:, None] - 2 * levels[columns]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import optimize
 
-from grainfit.metamodels.predictor import FloatArray
+from grainfit.arrays import Array
 
 #: With a larger p value of the rank correlations, times their number, the scatter is taken as the
 #: same everywhere.
@@ -36,10 +36,10 @@ class GrowingScatter:
         Logarithm of the ratio at the centre of the cube.
     """
 
-    slopes: FloatArray
+    slopes: Array
     level: float
 
-    def ratios(self, points: FloatArray) -> FloatArray:
+    def ratios(self, points: Array) -> Array:
         """Variances at points over their mean at the runs, shape (m,)."""
         logarithm = self.level + (points - 0.5) @ self.slopes
         limit = np.log(_LARGEST_RATIO)
@@ -52,7 +52,7 @@ class GrowingScatter:
         return GrowingScatter(slopes, self.level)
 
 
-def find_growing_scatter(points: FloatArray, residuals: FloatArray) -> GrowingScatter | None:
+def find_growing_scatter(points: Array, residuals: Array) -> GrowingScatter | None:
     """Return the change of the scatter over the unit cube, or None when there is no sign of one.
 
     Parameters
@@ -73,7 +73,7 @@ def find_growing_scatter(points: FloatArray, residuals: FloatArray) -> GrowingSc
         return None
     squares = np.maximum(residuals**2, 1e-4)
 
-    def misfit(theta: FloatArray) -> tuple[float, FloatArray]:
+    def misfit(theta: Array) -> tuple[float, Array]:
         logarithm = np.clip(theta[0] + (points - 0.5) @ theta[1:], -20.0, 20.0)
         weighted = squares * np.exp(-logarithm)
         value = 0.5 * float((logarithm + weighted).sum())
@@ -87,7 +87,7 @@ def find_growing_scatter(points: FloatArray, residuals: FloatArray) -> GrowingSc
     return GrowingScatter(unscaled.slopes, -float(np.log(unscaled.ratios(points).mean())))
 
 
-def _changes(points: FloatArray, residuals: FloatArray) -> bool:
+def _changes(points: Array, residuals: Array) -> bool:
     if np.ptp(np.abs(residuals)) == 0:
         return False
     # Loaded late, because it takes half a second.

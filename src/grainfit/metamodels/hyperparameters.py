@@ -11,7 +11,8 @@ from scipy import linalg, optimize
 from scipy.linalg import lapack
 from scipy.spatial.distance import cdist, squareform
 
-from grainfit.metamodels.predictor import Contrasts, FloatArray, Hyperparameters, matern_and_slope
+from grainfit.arrays import Array
+from grainfit.metamodels.predictor import Contrasts, Hyperparameters, matern_and_slope
 
 # Weak priors: a response changes smoothly over the unit cube, and its residuals from the trend may
 # be all noise or hardly any. Ranges grow with the square root of the dimension, as distances do.
@@ -39,14 +40,14 @@ RUNS_OF_KNOWN_SCATTER = 5
 _CONTRADICTION = 1.0
 
 
-def _weighted_squares(weights: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
+def _weighted_squares(weights: Array, points: Array, ranges: Array) -> Array:
     """Sum over all pairs of points of weight times squared difference over range, per column."""
     squares = 2.0 * (weights.sum(axis=1) @ points**2)
     cross = 2.0 * np.einsum("ij,ij->j", points, weights @ points)
     return np.asarray((squares - cross) / ranges**2)
 
 
-def _inverse(factor: FloatArray) -> FloatArray:
+def _inverse(factor: Array) -> Array:
     """Inverse of a symmetric matrix from its lower Cholesky factor, which is zero elsewhere."""
     lower, _ = lapack.dpotri(factor, lower=1)
     inverse = lower + lower.T
@@ -60,10 +61,10 @@ class _Covariance(NamedTuple):
     The correlation of the contrasts; the slope of that of each pair of runs over their distance.
     """
 
-    matrix: FloatArray
-    correlation: FloatArray
-    slope: FloatArray
-    ranges: FloatArray
+    matrix: Array
+    correlation: Array
+    slope: Array
+    ranges: Array
     noise_share: float
     mean_correlation: float
 
@@ -71,8 +72,8 @@ class _Covariance(NamedTuple):
 class _Factorised(NamedTuple):
     """Lower Cholesky factor of a covariance, and the values divided by that covariance."""
 
-    factor: FloatArray
-    coefficients: FloatArray
+    factor: Array
+    coefficients: Array
     sum_of_squares: float
     #: Part of the sum that a known scatter adds.
     of_known: float
@@ -98,11 +99,11 @@ class HyperparameterPosterior:
 
     def __init__(
         self,
-        points: FloatArray,
-        values: FloatArray,
+        points: Array,
+        values: Array,
         contrasts: Contrasts,
-        known_noise: FloatArray,
-        noise_ratios: FloatArray | None = None,
+        known_noise: Array,
+        noise_ratios: Array | None = None,
         known_variance: float = 0.0,
     ) -> None:
         self.points = points
@@ -129,7 +130,7 @@ class HyperparameterPosterior:
         self.spread = np.append(np.full(d, _RANGE_SPREAD), _NOISE_LOGIT_SPREAD)
         self.bounds = [_LOG_RANGE_LIMITS] * d + [_NOISE_LOGIT_LIMITS]
 
-    def _covariance(self, theta: FloatArray) -> _Covariance:
+    def _covariance(self, theta: Array) -> _Covariance:
         ranges = np.exp(theta[:-1])
         noise_share = 1.0 / (1.0 + math.exp(-theta[-1]))
         scaled = self.points / ranges
@@ -144,12 +145,12 @@ class HyperparameterPosterior:
         covariance = (1.0 - self.known_share) * covariance + self.known
         return _Covariance(covariance, correlation, slope, ranges, noise_share, mean_correlation)
 
-    def value(self, theta: FloatArray) -> float:
+    def value(self, theta: Array) -> float:
         """Negative logarithm of the posterior density, up to a constant of the runs."""
         parts = self._covariance(theta)
         return self._value(theta, parts, self._factorised(parts))
 
-    def __call__(self, theta: FloatArray) -> tuple[float, FloatArray]:
+    def __call__(self, theta: Array) -> tuple[float, Array]:
         """Return `value` and its gradient."""
         parts = self._covariance(theta)
         solved = self._factorised(parts)
@@ -184,7 +185,7 @@ class HyperparameterPosterior:
         """Variance of the estimated noise over the common variance."""
         return (1.0 - self.known_share) * parts.noise_share
 
-    def _value(self, theta: FloatArray, parts: _Covariance, solved: _Factorised | None) -> float:
+    def _value(self, theta: Array, parts: _Covariance, solved: _Factorised | None) -> float:
         if solved is None:
             return _INDEFINITE
         offset = (theta - self.centre) / self.spread
@@ -201,14 +202,14 @@ class HyperparameterPosterior:
         return len(self.centre) > _THOROUGH_UP_TO
 
     @cached_property
-    def _best(self) -> tuple[float, FloatArray]:
+    def _best(self) -> tuple[float, Array]:
         """Lowest value and its place: of three searches, from long, medium and short ranges."""
         starts = [self._start(shift) for shift in (0.0, -1.5, -3.0)]
         if self._is_large:
             starts = [min(starts, key=self.value)]
         return min((self._search(start) for start in starts), key=lambda found: found[0])
 
-    def maximum(self) -> FloatArray:
+    def maximum(self) -> Array:
         """Most probable hyperparameters."""
         return self._best[1]
 
@@ -226,12 +227,12 @@ class HyperparameterPosterior:
         """Logarithm of the posterior density at its maximum, up to a constant of the runs."""
         return -self._best[0]
 
-    def _start(self, shift: float) -> FloatArray:
+    def _start(self, shift: float) -> Array:
         """Return the best of some shares of noise."""
         ranges = self.centre[:-1] + shift
         return min((np.append(ranges, logit) for logit in (-6.0, -3.0, 0.0)), key=self.value)
 
-    def _search(self, start: FloatArray) -> tuple[float, FloatArray]:
+    def _search(self, start: Array) -> tuple[float, Array]:
         """Lowest value and its place."""
         options = {"ftol": _COARSE} if self._is_large else {}
         found = optimize.minimize(
@@ -240,7 +241,7 @@ class HyperparameterPosterior:
         # Rounded, so that rounding errors do not decide between searches that ended at one place.
         return round(float(found.fun), 6), np.asarray(found.x, dtype=float)
 
-    def _curvature(self, theta: FloatArray) -> FloatArray:
+    def _curvature(self, theta: Array) -> Array:
         shifts = 1e-3 * np.eye(len(theta))
         after = np.array([self(theta + shift)[1] for shift in shifts])
         before = [self(theta - shift)[1] for shift in shifts if not self._is_large]
@@ -248,7 +249,7 @@ class HyperparameterPosterior:
         rows = (after - before) / 2e-3 if before else (after - self(theta)[1]) / 1e-3
         return np.asarray((rows + rows.T) / 2)
 
-    def _around(self, mode: FloatArray) -> list[FloatArray]:
+    def _around(self, mode: Array) -> list[Array]:
         """Return points that represent the posterior distribution about its maximum.
 
         The rows of a Hadamard matrix, stretched by the curvature at the maximum, have the mean

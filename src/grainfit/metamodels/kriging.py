@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
+from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.metamodels import messages
 from grainfit.metamodels.checked_arrays import (
@@ -38,7 +39,6 @@ from grainfit.metamodels.prediction import NORMAL_QUANTILE, LeaveOneOut, Predict
 from grainfit.metamodels.predictor import (
     Component,
     Contrasts,
-    FloatArray,
     Hyperparameters,
     LeavingOut,
     Trend,
@@ -62,13 +62,13 @@ class _Standardised(NamedTuple):
     Values that the trend explains but for rounding are exact: nothing can be estimated of them.
     """
 
-    values: FloatArray
+    values: Array
     offset: float
     scale: float
     are_exact: bool
 
     @classmethod
-    def of(cls, values: FloatArray, contrasts: Contrasts) -> _Standardised:
+    def of(cls, values: Array, contrasts: Contrasts) -> _Standardised:
         """Standardise responses."""
         offset = float(values.mean())
         left_over = contrasts.complement.T @ (values - offset)
@@ -227,18 +227,18 @@ class Kriging(OneLine):
         return len(self._components[0].points)
 
     @property
-    def points(self) -> FloatArray:
+    def points(self) -> Array:
         """Points of the runs in the unit cube, shape (n, d)."""
         return (self._judged_by or self)._components[0].points
 
     @property
-    def values(self) -> FloatArray:
+    def values(self) -> Array:
         """Responses of the runs, shape (n,)."""
         return np.asarray(
             self._offset + self._scale * (self._judged_by or self)._components[0].values
         )
 
-    def standardised_residuals(self) -> FloatArray:
+    def standardised_residuals(self) -> Array:
         """Deviations of the runs from what the others predict, in standard deviations, shape (n,).
 
         They are exactly 0 where all runs are equal.
@@ -259,7 +259,7 @@ class Kriging(OneLine):
         freedom = self._degrees_of_freedom
         return -float(stdtrit(freedom, share / 2)) / math.sqrt(self._inflation)
 
-    def share_below(self, deviations: FloatArray) -> FloatArray:
+    def share_below(self, deviations: Array) -> Array:
         """Probability that the truth is below so many standard deviations, the same shape.
 
         The distribution function that `quantile` inverts.
@@ -272,7 +272,7 @@ class Kriging(OneLine):
         return len(self._components)
 
     @property
-    def ranges(self) -> FloatArray:
+    def ranges(self) -> Array:
         """Range of each parameter in the unit cube, shape (d,); short means strong curvature.
 
         Geometric mean over the posterior distribution; the scale of the Matérn 5/2 correlation
@@ -297,11 +297,11 @@ class Kriging(OneLine):
         known = float(self._components[0].known_noise.mean())
         return self._scale**2 * (self._inflation * float(self._weights @ noise) + known)
 
-    def scatter_at(self, points: FloatArray) -> FloatArray:
+    def scatter_at(self, points: Array) -> Array:
         """`variance_of_scatter` at points of the unit cube, shape (m,)."""
         return self.variance_of_scatter * self.scatter_ratios(points)
 
-    def scatter_ratios(self, points: FloatArray) -> FloatArray:
+    def scatter_ratios(self, points: Array) -> Array:
         """Variances of the scatter at points over their mean at the runs, shape (m,)."""
         return np.ones(len(points)) if self.scatter is None else self.scatter.ratios(points)
 
@@ -311,7 +311,7 @@ class Kriging(OneLine):
         quantile = float(stdtrit(self._degrees_of_freedom, 0.975))
         return (quantile / NORMAL_QUANTILE) ** 2
 
-    def _combine(self, means: FloatArray, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _combine(self, means: Array, variances: Array) -> tuple[Array, Array]:
         """Mean and variance of the weighted mixture of the components."""
         mean = self._weights @ means
         within = self._inflation * (self._weights @ variances)
@@ -341,7 +341,7 @@ class Kriging(OneLine):
             self._offset + self._scale * mean, variance, variance + self.scatter_at(points)
         )
 
-    def mean(self, points: ArrayLike) -> FloatArray:
+    def mean(self, points: ArrayLike) -> Array:
         """Return the mean of `predict`, shape (m,), for a fraction of its operations.
 
         Raises
@@ -353,20 +353,18 @@ class Kriging(OneLine):
         means = np.array([component.mean(points) for component in self._components])
         return np.asarray(self._offset + self._scale * (self._weights @ means))
 
-    def _predict_block(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _predict_block(self, points: Array) -> tuple[Array, Array]:
         parts = [component.predict(points) for component in self._components]
         means, variances = (np.array(part) for part in zip(*parts, strict=True))
         return self._combine(means, variances)
 
-    def gradients(self, points: ArrayLike) -> FloatArray:
+    def gradients(self, points: ArrayLike) -> Array:
         """Gradients of the mean of `predict`, shape (m, d), per unit of each coordinate."""
         points = checked("points", points, (None, self.d))
         gradients = np.array([component.gradients(points) for component in self._components])
         return np.asarray(self._scale * np.tensordot(self._weights, gradients, axes=1))
 
-    def covariance_with(
-        self, points: ArrayLike
-    ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+    def covariance_with(self, points: ArrayLike) -> Callable[[Array], tuple[Array, Array]]:
         """Prepare covariances of the expected response between these points and any others.
 
         Points are those of `predict`.
@@ -384,7 +382,7 @@ class Kriging(OneLine):
         means = np.array([c.predict_at(p)[0] for c, p in zip(self._components, here, strict=True)])
         off = means - self._weights @ means
 
-        def covariances(others: FloatArray) -> tuple[FloatArray, FloatArray]:
+        def covariances(others: Array) -> tuple[Array, Array]:
             is_same = others is points
             there = here if is_same else [c.project(others) for c in self._components]
             parts = [c.predict_at(p) for c, p in zip(self._components, there, strict=True)]
@@ -405,9 +403,7 @@ class Kriging(OneLine):
 
         return covariances
 
-    def covariance_with_relative(
-        self, points: ArrayLike
-    ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+    def covariance_with_relative(self, points: ArrayLike) -> Callable[[Array], tuple[Array, Array]]:
         """Prepare covariances of the response at these points with that of the relative at others.
 
         Points are those of `predict`.
@@ -424,7 +420,7 @@ class Kriging(OneLine):
         here = [component.project(points) for component in self._components]
         of_relative = relative.model.covariance_with(points)
 
-        def covariances(others: FloatArray) -> tuple[FloatArray, FloatArray]:
+        def covariances(others: Array) -> tuple[Array, Array]:
             there = relative.at(others)
             among = of_relative(others)[0] / self._scale**2
             parts = [
@@ -511,13 +507,13 @@ class Kriging(OneLine):
         components = [component.related_to(relative) for component in self._components]
         return self._with(components, self._judged_by or self, relative)
 
-    def _relative_with(self, points: FloatArray) -> RelativePrior | None:
+    def _relative_with(self, points: Array) -> RelativePrior | None:
         """Return the relative for the runs so far and some more."""
         if self._relative is None:
             return None
         return self._relative.with_runs(np.vstack([self._relative.points, points]))
 
-    def _usual_known_noise(self, runs: int) -> FloatArray:
+    def _usual_known_noise(self, runs: int) -> Array:
         return np.full(runs, float(self._components[0].known_noise.mean()))
 
     def _with(
@@ -536,7 +532,7 @@ class Kriging(OneLine):
             relative=relative,
         )
 
-    def embedded(self, axes: Sequence[int], points: FloatArray) -> Kriging:
+    def embedded(self, axes: Sequence[int], points: Array) -> Kriging:
         """Return the metamodel as one of more parameters, on the others of which nothing depends.
 
         Parameters
@@ -742,13 +738,13 @@ class _Data(NamedTuple):
     """Runs that hyperparameters are fitted to, with their trend; values are standardised."""
 
     trend: Trend
-    points: FloatArray
-    values: FloatArray
-    known_noise: FloatArray
+    points: Array
+    values: Array
+    known_noise: Array
     contrasts: Contrasts
 
     def posterior(
-        self, ratios: FloatArray | None, known_variance: float = 0.0
+        self, ratios: Array | None, known_variance: float = 0.0
     ) -> HyperparameterPosterior:
         """Return the posterior of the hyperparameters with ratios of the noise variances."""
         return HyperparameterPosterior(
@@ -761,13 +757,13 @@ class _Fit(NamedTuple):
 
     sets: list[Hyperparameters]
     degrees_of_freedom: int
-    ratios: FloatArray | None
+    ratios: Array | None
     scatter: GrowingScatter | None
     known_variance: float
 
 
 def _most_probable_fit(
-    candidates: Sequence[FloatArray | None],
+    candidates: Sequence[Array | None],
     data: _Data,
     scatter_may_vary: bool,
     known_variance: float,
@@ -841,7 +837,7 @@ def _with_relative(
 
 def _varying(
     data: _Data, posterior: HyperparameterPosterior
-) -> tuple[HyperparameterPosterior, FloatArray, GrowingScatter] | None:
+) -> tuple[HyperparameterPosterior, Array, GrowingScatter] | None:
     """Fit a scatter that changes over the cube; None when there is no sign of one.
 
     A second round finds more: with the same scatter everywhere, the predictions of calm runs follow

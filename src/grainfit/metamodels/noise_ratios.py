@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import chdtri
 
-from grainfit.metamodels.predictor import FloatArray
+from grainfit.arrays import Array
 
 #: Shares of the noise that may follow the stated errors. Never all of it: a run with a small stated
 #: error is not free of scatter.
@@ -28,7 +28,7 @@ _GAIN_BY_CHANCE = 0.05
 _SMALLEST_DIFFERENCE = 0.01
 
 
-def noise_ratios(standard_errors: FloatArray) -> list[FloatArray | None]:
+def noise_ratios(standard_errors: Array) -> list[Array | None]:
     """Return the candidate ratios of noise variances, of mean 1; None, for equal ones, is first.
 
     Parameters

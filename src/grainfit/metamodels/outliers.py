@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from grainfit.arrays import Array
 from grainfit.metamodels.kriging import Kriging
-from grainfit.metamodels.predictor import FloatArray
 from grainfit.metamodels.share_of_jams import ShareOfJams
 
 #: Probability that runs of normal scatter are found to have an outlier, once in a calibration of
@@ -88,7 +88,7 @@ class Outliers:
         points = np.array(self.points)
         return np.asarray(cdist(points[list(self.indices)], points) < _SAME)
 
-    def shift_at(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def shift_at(self, points: Array) -> tuple[Array, Array]:
         """Return the change of the expected response by such runs, and its variance, shape (m,).
 
         The mean over seeds has them, too: with the share that they have at a point, times what
@@ -110,7 +110,7 @@ class Outliers:
         is_jam[list(self.indices)] = True
         return ShareOfJams(np.array(self.points), is_jam)
 
-    def shrinking_at(self, point: FloatArray, more: FloatArray) -> FloatArray:
+    def shrinking_at(self, point: Array, more: Array) -> Array:
         """Return by what factors more runs at a point shrink the variance of the shift there."""
         if not self.indices:
             return np.ones(len(more))
@@ -122,9 +122,9 @@ NO_OUTLIERS = Outliers((), (), ())
 
 
 def fit_without_outliers(
-    points: FloatArray,
-    values: FloatArray,
-    standard_errors: FloatArray,
+    points: Array,
+    values: Array,
+    standard_errors: Array,
     known_scatter: float = 0.0,
     relative: Kriging | None = None,
 ) -> tuple[Kriging, Outliers]:
@@ -176,9 +176,9 @@ def fit_without_outliers(
 
 
 def _fit(
-    points: FloatArray,
-    values: FloatArray,
-    standard_errors: FloatArray,
+    points: Array,
+    values: Array,
+    standard_errors: Array,
     known_scatter: float,
     relative: Kriging | None,
 ) -> Kriging:
@@ -224,7 +224,7 @@ def _suspicious(model: Kriging, most: int) -> int:
     return found
 
 
-def _together(points: FloatArray, left_out: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _together(points: Array, left_out: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Which of these runs lie together at one place more often than chance explains.
 
     What comes again there is the response of that place, and belongs to the metamodel.
@@ -248,7 +248,7 @@ def _gather(near: NDArray[np.bool_], is_out: NDArray[np.bool_]) -> bool:
     return bool(together > 1 and by_chance < _TOGETHER_BY_CHANCE)
 
 
-def _all_outlying(model: Kriging, points: FloatArray, values: FloatArray, runs: int) -> bool:
+def _all_outlying(model: Kriging, points: Array, values: Array, runs: int) -> bool:
     found = model.predict(points)
     away = np.abs(values - found.mean) / np.sqrt(found.variance_of_new_run)
     return bool(away.min() > model.quantile(_error_of_a_run(runs)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtri
 
-from grainfit.metamodels.predictor import FloatArray
+from grainfit.arrays import Array
 
 #: Half the width of a 95 % interval in standard deviations.
 NORMAL_QUANTILE = float(ndtri(0.975))
@@ -30,12 +30,12 @@ class Prediction:
         Uncertainty of the response of one more run: the same plus the scatter of runs.
     """
 
-    mean: FloatArray
-    variance_of_mean: FloatArray
-    variance_of_new_run: FloatArray
+    mean: Array
+    variance_of_mean: Array
+    variance_of_new_run: Array
 
     @property
-    def standard_error(self) -> FloatArray:
+    def standard_error(self) -> Array:
         """Square root of the variance of the mean, shape (m,)."""
         return np.asarray(np.sqrt(self.variance_of_mean))
 
@@ -56,7 +56,7 @@ class LeaveOneOut:
         Share of the runs inside their 95 % interval.
     """
 
-    predicted: FloatArray
-    standard_deviation: FloatArray
+    predicted: Array
+    standard_deviation: Array
     q2: float
     coverage: float

@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 from scipy.spatial.distance import cdist
 
+from grainfit.arrays import Array
 from grainfit.metamodels.relative_prior import RelativePrior
 
-FloatArray = NDArray[np.float64]
 #: Scale of the distance in the Matérn 5/2 correlation, 2 sqrt(5/2).
 _MATERN_SCALE = math.sqrt(10.0)
 #: Range of a parameter that a response does not depend on, in intervals.
@@ -29,7 +28,7 @@ _FREE_CONTRASTS = 3
 _JITTERS = (1e-9, 1e-8, 1e-7, 1e-6)
 
 
-def matern(distance: FloatArray) -> FloatArray:
+def matern(distance: Array) -> Array:
     """Matérn 5/2 correlation of a scaled distance h: (1 + t + t²/3) exp(-t), t = sqrt(10) h.
 
     References
@@ -46,12 +45,12 @@ def matern(distance: FloatArray) -> FloatArray:
     return np.asarray(correlation)
 
 
-def matern_slope(distance: FloatArray) -> FloatArray:
+def matern_slope(distance: Array) -> Array:
     """Negative derivative of the correlation, divided by the distance (finite at zero)."""
     return matern_and_slope(distance)[1]
 
 
-def matern_and_slope(distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+def matern_and_slope(distance: Array) -> tuple[Array, Array]:
     """Return `matern` and `matern_slope`, which share the exponential."""
     scaled = _MATERN_SCALE * distance
     decay = np.exp(-scaled)
@@ -72,7 +71,7 @@ class Trend:
     columns: tuple[int, ...]
 
     @classmethod
-    def choose(cls, points: FloatArray, linear: bool) -> Trend:
+    def choose(cls, points: Array, linear: bool) -> Trend:
         """Choose a linear trend if the runs determine its slopes, else a constant."""
         n, d = points.shape
         if not linear or n < d + 1 + max(d + 1, _FREE_CONTRASTS):
@@ -86,14 +85,14 @@ class Trend:
         basis, _ = np.linalg.qr(trend.matrix(points))
         return trend if float((basis**2).sum(axis=1).max()) < 1 - 1e-6 else cls(())
 
-    def matrix(self, points: FloatArray) -> FloatArray:
+    def matrix(self, points: Array) -> Array:
         """Values of the trend functions at points, shape (points, functions)."""
         values = np.ones((len(points), 1 + len(self.columns)), order="F")
         values[:, 1:] = points[:, list(self.columns)]
         values[:, 1:] -= 0.5
         return values
 
-    def slopes(self, coefficients: FloatArray, d: int) -> FloatArray:
+    def slopes(self, coefficients: Array, d: int) -> Array:
         """Slopes of the trend along all d axes."""
         slopes = np.zeros(d)
         slopes[list(self.columns)] = coefficients[1:]
@@ -113,13 +112,13 @@ class Contrasts:
     Schreiber & Van Loan (1989), SIAM J. Sci. Stat. Comput. 10, 53-57: compact WY form of Q.
     """
 
-    complement: FloatArray
-    least_squares: FloatArray
-    _reflections: FloatArray
-    _mixing: FloatArray
+    complement: Array
+    least_squares: Array
+    _reflections: Array
+    _mixing: Array
 
     @classmethod
-    def of(cls, trend_matrix: FloatArray) -> Contrasts:
+    def of(cls, trend_matrix: Array) -> Contrasts:
         """Split the space of the runs into that of the trend and its complement (by QR)."""
         n, rank = trend_matrix.shape
         (packed, factors), triangle = linalg.qr(trend_matrix, mode="raw")
@@ -137,19 +136,19 @@ class Contrasts:
         """Number of contrasts."""
         return int(self.complement.shape[1])
 
-    def covariance(self, of_runs: FloatArray) -> FloatArray:
+    def covariance(self, of_runs: Array) -> Array:
         """Turn a symmetric matrix of the runs into that of the contrasts: C' M C."""
         rank = len(self._mixing)
         return self._turned(of_runs, self._mixing)[rank:, rank:]
 
-    def spread(self, of_contrasts: FloatArray) -> FloatArray:
+    def spread(self, of_contrasts: Array) -> Array:
         """Turn a symmetric matrix of the contrasts into that of the runs: C M C'."""
         rank, n = len(self._mixing), len(self._reflections)
         padded = np.zeros((n, n))
         padded[rank:, rank:] = of_contrasts
         return self._turned(padded, self._mixing.T)
 
-    def _turned(self, matrix: FloatArray, mixing: FloatArray) -> FloatArray:
+    def _turned(self, matrix: Array, mixing: Array) -> Array:
         turned = self._reflections @ mixing
         across = matrix @ turned
         half = self._reflections @ (0.5 * (turned.T @ across)) - across
@@ -162,7 +161,7 @@ class Contrasts:
 class Hyperparameters:
     """One set of hyperparameters, in units of the standardised response."""
 
-    ranges: FloatArray
+    ranges: Array
     signal_variance: float
     noise_variance: float
     weight: float
@@ -170,7 +169,7 @@ class Hyperparameters:
     ratio: float = 0.0
 
 
-def _cholesky(covariance: FloatArray) -> FloatArray:
+def _cholesky(covariance: Array) -> Array:
     """Lower Cholesky factor, also of runs without scatter so close that rounding hides them."""
     largest = float(np.diagonal(covariance).max())
     # By how much rounding hides a run depends on the linear algebra of the processor.
@@ -200,7 +199,7 @@ class LeavingOut:
     Dubrule (1983), Math. Geol. 15, 687-699, with several runs left out at once.
     """
 
-    def __init__(self, precision: FloatArray, values: FloatArray, trend: int) -> None:
+    def __init__(self, precision: Array, values: Array, trend: int) -> None:
         self._of_all = precision
         self._pull_of_all = precision @ values
         self._precision = precision.copy()
@@ -220,7 +219,7 @@ class LeavingOut:
         self._precision -= np.outer(across, self._precision[worst])
         self._left_out.append(worst)
 
-    def deviations_of_left_out(self) -> FloatArray:
+    def deviations_of_left_out(self) -> Array:
         """Deviations of the runs left out from what the others predict, in standard deviations."""
         out = self._left_out
         covariance = np.linalg.inv(self._of_all[np.ix_(out, out)])
@@ -236,13 +235,13 @@ class _Projection(NamedTuple):
     the runs; its least-squares trend; and the part of it that the contrasts explain.
     """
 
-    scaled: FloatArray
-    prior_mean: FloatArray | float
-    prior_variance: FloatArray | float
-    trend: FloatArray
-    covariance: FloatArray
-    on_trend: FloatArray
-    explained: FloatArray
+    scaled: Array
+    prior_mean: Array | float
+    prior_variance: Array | float
+    trend: Array
+    covariance: Array
+    on_trend: Array
+    explained: Array
 
 
 class Component:
@@ -252,11 +251,11 @@ class Component:
         self,
         hyperparameters: Hyperparameters,
         trend: Trend,
-        points: FloatArray,
-        values: FloatArray,
-        known_noise: FloatArray,
+        points: Array,
+        values: Array,
+        known_noise: Array,
         contrasts: Contrasts | None = None,
-        noise_ratios: FloatArray | None = None,
+        noise_ratios: Array | None = None,
         relative: RelativePrior | None = None,
     ) -> None:
         self.hyperparameters = hyperparameters
@@ -284,19 +283,19 @@ class Component:
         self._trend_covariance = least_squares @ across
         self._root_of_trend = self._root @ across
 
-    def _noise(self) -> FloatArray | float:
+    def _noise(self) -> Array | float:
         """Estimated variance of the noise of each run."""
         variance = self.hyperparameters.noise_variance
         return variance if self.noise_ratios is None else variance * self.noise_ratios
 
-    def _covariance(self, points: FloatArray) -> FloatArray:
+    def _covariance(self, points: Array) -> Array:
         correlation = matern(cdist(self._scaled, points / self.hyperparameters.ranges))
         correlation *= self.hyperparameters.signal_variance
         if self._relative is not None and self._ratio:
             correlation += self._ratio**2 * self._relative.at(points).covariance
         return correlation
 
-    def _prior(self, points: FloatArray) -> tuple[FloatArray | float, FloatArray | float]:
+    def _prior(self, points: Array) -> tuple[Array | float, Array | float]:
         """Mean and variance at points before the runs, but for the trend."""
         signal = self.hyperparameters.signal_variance
         if self._relative is None or not self._ratio:
@@ -304,7 +303,7 @@ class Component:
         there = self._relative.at(points)
         return self._ratio * there.mean, signal + self._ratio**2 * there.variance
 
-    def project(self, points: FloatArray) -> _Projection:
+    def project(self, points: Array) -> _Projection:
         """Compute the parts of predictions at points and of their covariances."""
         trend = self.trend.matrix(points).T
         covariance = self._covariance(points)
@@ -317,17 +316,17 @@ class Component:
             self._root @ covariance - self._root_of_trend @ trend,
         )
 
-    def predict(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def predict(self, points: Array) -> tuple[Array, Array]:
         """Mean and variance of the mean."""
         return self.predict_at(self.project(points))
 
-    def mean(self, points: FloatArray) -> FloatArray:
+    def mean(self, points: Array) -> Array:
         """Mean alone, which takes far fewer operations."""
         trend = self.trend.matrix(points) @ self._trend_coefficients
         expected = trend + self._coefficients @ self._covariance(points)
         return np.asarray(expected + self._prior(points)[0])
 
-    def predict_at(self, at: _Projection) -> tuple[FloatArray, FloatArray]:
+    def predict_at(self, at: _Projection) -> tuple[Array, Array]:
         """Mean and variance of the mean at projected points."""
         mean = self._trend_coefficients @ at.trend + self._coefficients @ at.covariance
         mean += at.prior_mean
@@ -339,7 +338,7 @@ class Component:
         )
         return mean, np.maximum(variance, 0.0)
 
-    def joint(self, first: _Projection, second: _Projection) -> FloatArray:
+    def joint(self, first: _Projection, second: _Projection) -> Array:
         """Covariances of the mean between two sets of points, shape (first, second).
 
         Without the ratio squared times those of the relative, see `relative_factor`.
@@ -351,7 +350,7 @@ class Component:
         joint -= first.on_trend.T @ second.trend
         return np.asarray(joint)
 
-    def gradients(self, points: FloatArray) -> FloatArray:
+    def gradients(self, points: Array) -> Array:
         """Slopes of the mean, shape (m, d)."""
         ranges, runs = self.hyperparameters.ranges, self._scaled
         scaled = points / ranges
@@ -370,8 +369,8 @@ class Component:
         return self._ratio
 
     def covariance_of_relative(
-        self, here: _Projection, covariance: FloatArray, relative: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+        self, here: _Projection, covariance: Array, relative: Array
+    ) -> tuple[Array, Array]:
         """Covariances of the mean at points with the relative's, given all runs.
 
         Parameters
@@ -396,7 +395,7 @@ class Component:
         joint -= here.trend.T @ (self._least_squares @ with_runs)
         return np.asarray(joint), np.einsum("ij,ij->j", explained, explained)
 
-    def leave_one_out(self) -> tuple[FloatArray, FloatArray]:
+    def leave_one_out(self) -> tuple[Array, Array]:
         """Mean and variance of each run left out, by the formulas of Dubrule (1983)."""
         precision = (self._root**2).sum(axis=0)
         return self.values - self._coefficients / precision, 1.0 / precision
@@ -407,10 +406,10 @@ class Component:
 
     def condition(
         self,
-        points: FloatArray,
-        values: FloatArray,
-        known_noise: FloatArray,
-        added_ratios: FloatArray,
+        points: Array,
+        values: Array,
+        known_noise: Array,
+        added_ratios: Array,
         relative: RelativePrior | None = None,
     ) -> Component:
         """Add runs; the ratios of their noise only count where those of the others are known.
@@ -430,9 +429,9 @@ class Component:
 
     def condition_on_pending(
         self,
-        points: FloatArray,
-        known_noise: FloatArray,
-        added_ratios: FloatArray,
+        points: Array,
+        known_noise: Array,
+        added_ratios: Array,
         relative: RelativePrior | None = None,
     ) -> Component:
         """Add pending runs, which get the predicted mean."""
@@ -458,7 +457,7 @@ class Component:
         return other
 
     def embedded(
-        self, axes: Sequence[int], points: FloatArray, relative: RelativePrior | None = None
+        self, axes: Sequence[int], points: Array, relative: RelativePrior | None = None
     ) -> Component:
         """Return the same over a larger unit cube, see `Kriging.embedded`."""
         other = copy(self)
@@ -490,7 +489,7 @@ class Component:
     def _plain_factors(self) -> dict[str, Any]:
         # A rotation from the left changes no length and makes half of the numbers zero.
         both = np.hstack([self._root, -self._root_of_trend])
-        triangle: FloatArray = linalg.qr(both, mode="r", check_finite=False)[0][: len(both)]
+        triangle: Array = linalg.qr(both, mode="r", check_finite=False)[0][: len(both)]
         return {
             "coefficients": self._coefficients.tolist(),
             "trend_coefficients": self._trend_coefficients.tolist(),

@@ -18,9 +18,9 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from grainfit.arrays import Array
 
 #: Ratios of a response to that of its relative, and their probabilities before any run. With a
 #: ratio of 0 the relative tells nothing.
@@ -38,21 +38,19 @@ class RelativeModel(Protocol):
         ...
 
     @property
-    def points(self) -> FloatArray:
+    def points(self) -> Array:
         """Points of its runs."""
         ...
 
-    def mean(self, points: ArrayLike) -> FloatArray:
+    def mean(self, points: ArrayLike) -> Array:
         """Return its expected response."""
         ...
 
-    def covariance_with(
-        self, points: ArrayLike
-    ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+    def covariance_with(self, points: ArrayLike) -> Callable[[Array], tuple[Array, Array]]:
         """Prepare covariances of its expected response."""
         ...
 
-    def scatter_at(self, points: FloatArray) -> FloatArray:
+    def scatter_at(self, points: Array) -> Array:
         """Return the variance that the scatter of its runs adds."""
         ...
 
@@ -60,7 +58,7 @@ class RelativeModel(Protocol):
         """Add pending runs."""
         ...
 
-    def embedded(self, axes: Sequence[int], points: FloatArray) -> RelativeModel:
+    def embedded(self, axes: Sequence[int], points: Array) -> RelativeModel:
         """Return it over a larger unit cube."""
         ...
 
@@ -76,9 +74,9 @@ class RelativeAt(NamedTuple):
     variances, shape (m,).
     """
 
-    mean: FloatArray
-    covariance: FloatArray
-    variance: FloatArray
+    mean: Array
+    covariance: Array
+    variance: Array
 
 
 class RelativePrior:
@@ -94,9 +92,7 @@ class RelativePrior:
         Points of the runs of the response.
     """
 
-    def __init__(
-        self, model: RelativeModel, offset: float, scale: float, points: FloatArray
-    ) -> None:
+    def __init__(self, model: RelativeModel, offset: float, scale: float, points: Array) -> None:
         self.model = model
         self.points = points
         self._offset, self._scale = offset, scale
@@ -104,7 +100,7 @@ class RelativePrior:
         # All sets of hyperparameters ask for the same points, one after the other.
         self._latest: tuple[bytes, RelativeAt] | None = None
 
-    def at(self, points: FloatArray) -> RelativeAt:
+    def at(self, points: Array) -> RelativeAt:
         """Return what the relative tells of some points."""
         key = points.tobytes()
         if self._latest is None or self._latest[0] != key:
@@ -114,7 +110,7 @@ class RelativePrior:
             self._latest = key, RelativeAt(mean, covariance / squared, variance / squared)
         return self._latest[1]
 
-    def pull_slopes(self, points: FloatArray, ratio: float, pull: FloatArray) -> FloatArray:
+    def pull_slopes(self, points: Array, ratio: float, pull: Array) -> Array:
         """Return slopes of what the relative adds to the expected response, shape (m, d).
 
         Parameters
@@ -132,7 +128,7 @@ class RelativePrior:
         added = (ratio * found.mean + pull @ found.covariance).reshape(-1, 2, len(points))
         return np.asarray((added[:, 0] - added[:, 1]).T / (2.0 * _STEP))
 
-    def with_runs(self, points: FloatArray) -> RelativePrior:
+    def with_runs(self, points: Array) -> RelativePrior:
         """Return the same for other runs of the response."""
         return RelativePrior(self.model, self._offset, self._scale, points)
 
@@ -140,7 +136,7 @@ class RelativePrior:
         """Return the same with another metamodel of the relative."""
         return RelativePrior(model, self._offset, self._scale, self.points)
 
-    def embedded(self, axes: Sequence[int], points: FloatArray) -> RelativePrior:
+    def embedded(self, axes: Sequence[int], points: Array) -> RelativePrior:
         """Return the same over a larger unit cube, see `Kriging.embedded`."""
         own = np.full((self.model.n, points.shape[1]), 0.5)
         own[:, list(axes)] = self.model.points

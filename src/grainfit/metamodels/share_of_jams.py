@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.special import softmax
 
-from grainfit.metamodels.predictor import FloatArray
+from grainfit.arrays import Array
 from grainfit.one_line import OneLine
 
 #: Reaches of a run, per root of the dimension: one share everywhere, or ever smaller regions.
@@ -41,13 +41,13 @@ class ShareOfJams(OneLine):
     distribution whose counts are weighted with a kernel.
     """
 
-    def __init__(self, points: FloatArray, is_jam: NDArray[np.bool_]) -> None:
+    def __init__(self, points: Array, is_jam: NDArray[np.bool_]) -> None:
         self._points = points
         self._is_jam = is_jam
         share = (is_jam.sum() + 0.5) / (len(is_jam) + 1)
         self._prior = _PRIOR_RUNS * np.array([share, 1 - share])
 
-    def at(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def at(self, points: Array) -> tuple[Array, Array, Array]:
         """Return the share at points, its variance, and the runs that it rests on, shape (m,)."""
         jams, others = self._counts(self._kernels(points))
         runs = jams + others
@@ -59,7 +59,7 @@ class ShareOfJams(OneLine):
         return mean, variance, (weights * runs).sum(axis=0)
 
     @cached_property
-    def _weights(self) -> FloatArray:
+    def _weights(self) -> Array:
         """Probabilities of the reaches, by the prediction of each run from the others."""
         kernels = self._kernels(self._points)
         kernels[:, np.arange(len(self._points)), np.arange(len(self._points))] = 0.0
@@ -69,11 +69,11 @@ class ShareOfJams(OneLine):
         prior = np.where(np.isinf(_REACHES), _EVERYWHERE, local)
         return np.asarray(softmax(np.log(predicted).sum(axis=1) + np.log(prior)))
 
-    def _kernels(self, points: FloatArray) -> FloatArray:
+    def _kernels(self, points: Array) -> Array:
         """Weights of the runs at points, shape (reaches, m, n)."""
         distances = cdist(points, self._points) / np.sqrt(points.shape[1])
         return np.asarray(np.exp(-0.5 * (distances / _REACHES[:, None, None]) ** 2))
 
-    def _counts(self, kernels: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _counts(self, kernels: Array) -> tuple[Array, Array]:
         jams = kernels[..., self._is_jam].sum(axis=-1) + self._prior[0]
         return jams, kernels[..., ~self._is_jam].sum(axis=-1) + self._prior[1]

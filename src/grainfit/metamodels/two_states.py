@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from grainfit.metamodels.predictor import FloatArray
+from grainfit.arrays import Array
 
 #: Probability that runs of normal scatter are found to have two states.
 FALSE_ALARM = 0.005
@@ -16,7 +16,7 @@ FALSE_ALARM = 0.005
 _FEWEST_RUNS = 20
 
 
-def has_two_states(residuals: FloatArray) -> bool:
+def has_two_states(residuals: Array) -> bool:
     """Whether residuals lie about two values rather than one: their kurtosis is far below normal.
 
     Parameters

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem
 
-Vector = NDArray[np.float64]
 
-
-def residuals(problem: Problem, parameters: Mapping[str, float], responses: Vector) -> Vector:
+def residuals(problem: Problem, parameters: Mapping[str, float], responses: Array) -> Array:
     """Residuals of the least-squares fit.
 
     Parameters
@@ -58,7 +56,7 @@ def relative_uncertainty(parameter: Parameter) -> float:
     return parameter.uncertainty / abs(parameter.measured)
 
 
-def decorrelated(problem: Problem, deviations: Vector) -> Vector:
+def decorrelated(problem: Problem, deviations: Array) -> Array:
     """Combine deviations, shape (targets, ...), so that their errors are not correlated."""
     if not problem.correlations:
         return deviations
@@ -66,7 +64,7 @@ def decorrelated(problem: Problem, deviations: Vector) -> Vector:
 
 
 def expected_misfit(
-    problem: Problem, parameters: Mapping[str, float], means: Vector, variances: Vector
+    problem: Problem, parameters: Mapping[str, float], means: Array, variances: Array
 ) -> float:
     """Expected sum of squared residuals for responses that have a variance.
 
@@ -79,13 +77,13 @@ def expected_misfit(
     return float(np.sum(residuals(problem, parameters, means) ** 2)) + spread
 
 
-def residuals_at(metamodels: Metamodels, point: Vector) -> Vector:
+def residuals_at(metamodels: Metamodels, point: Array) -> Array:
     """Residuals of the expected responses at a point of the unit cube, see `residuals`."""
     means, _ = metamodels.predict(point)
     return residuals(metamodels.problem, metamodels.problem.from_unit(point), means[0])
 
 
-def expected_misfit_at(metamodels: Metamodels, point: Vector) -> float:
+def expected_misfit_at(metamodels: Metamodels, point: Array) -> float:
     """Expected sum of squared residuals at a point of the unit cube."""
     means, variances = metamodels.predict(point)
     parameters = metamodels.problem.from_unit(point)
