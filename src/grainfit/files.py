@@ -13,6 +13,7 @@ from typing import BinaryIO
 from grainfit import ground_messages as messages
 from grainfit import platforms
 from grainfit.errors import GrainfitError, InputError
+from grainfit.messages import Message
 
 #: Largest files that are read, bytes. A file of the wrong name must not fill the memory.
 LARGEST_CALIBRATION_FILE = 1_000_000
@@ -162,15 +163,19 @@ def write_atomically(path: Path, text: str) -> None:
 
 
 @contextmanager
-def writing(path: Path, kind: type[GrainfitError] = InputError) -> Iterator[None]:
+def writing(
+    path: Path,
+    kind: type[GrainfitError] = InputError,
+    message: Message = messages.CANNOT_BE_WRITTEN,
+) -> Iterator[None]:
     """Raise an error that names the file and the reason if it cannot be written within."""
     try:
         yield
     except OSError as error:
         about = {"path": str(path), "reason": error.strerror or error}
         if kind is InputError:
-            raise InputError(messages.CANNOT_BE_WRITTEN.fault("", **about)) from error
-        raise kind(messages.CANNOT_BE_WRITTEN(**about)) from error
+            raise InputError(message.fault("", **about)) from error
+        raise kind(message(**about)) from error
 
 
 def log_tail(path: Path, lines: int = 20) -> str:

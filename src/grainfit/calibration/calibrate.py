@@ -35,8 +35,8 @@ from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.source import open_source
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, recover
-from grainfit.errors import Fault, InputError, StoreError
-from grainfit.files import writing
+from grainfit.errors import Fault, InputError
+from grainfit.ground_messages import CANNOT_BE_WRITTEN
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
@@ -279,10 +279,10 @@ def _keep(result: Result, path: Path | None) -> Result:
     if path is None:
         return result
     try:
-        with writing(path, StoreError):
-            result.to_json(path)
-    except StoreError as error:
-        return replace(result, other_notices=(*result.other_notices, str(error)))
+        result.to_json(path)
+    except OSError as error:
+        notice = CANNOT_BE_WRITTEN(path=str(path), reason=error.strerror or error)
+        return replace(result, other_notices=(*result.other_notices, notice))
     return result
 
 

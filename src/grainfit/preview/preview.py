@@ -7,7 +7,7 @@ from pathlib import Path
 
 from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines, apparatus_of
 from grainfit.errors import Fault, InputError, RunFailedError
-from grainfit.files import write_atomically
+from grainfit.files import write_atomically, writing
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
 from grainfit.preview import messages
 from grainfit.preview.geometry import geometry_of
@@ -111,10 +111,7 @@ def write_preview(
     if path.suffix.lower() == ".png":
         path = path.with_suffix(".html")
     picture = path.with_suffix(".png")
-    try:
+    with writing(path, message=messages.CANNOT_BE_WRITTEN):
         write_atomically(path, preview_page(name, tests, values, units))
         write_picture(picture, name, tests)
-    except OSError as error:
-        about = {"path": str(path), "reason": error.strerror or error}
-        raise InputError(messages.CANNOT_BE_WRITTEN.fault("", **about)) from error
     return path, picture

@@ -13,7 +13,7 @@ from markupsafe import Markup
 from threadpoolctl import threadpool_limits
 
 from grainfit.errors import StoreError
-from grainfit.files import write_atomically
+from grainfit.files import write_atomically, writing
 from grainfit.formatting import plain
 from grainfit.report import messages
 from grainfit.report.rendering import fill_template, script_json
@@ -123,8 +123,5 @@ def element_text(text: str) -> Markup:
 
 
 def _write(path: Path, page: str) -> None:
-    try:
+    with writing(path, StoreError, messages.CANNOT_BE_WRITTEN):
         write_atomically(path, page)
-    except OSError as error:
-        reason = error.strerror or error
-        raise StoreError(messages.CANNOT_BE_WRITTEN(path=str(path), reason=reason)) from error

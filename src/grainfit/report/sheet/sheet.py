@@ -21,7 +21,7 @@ from grainfit.analysis.analysis import Analysis
 from grainfit.cards import MaterialCard, material_card
 from grainfit.contact_models.registry import model_titles
 from grainfit.errors import StoreError
-from grainfit.files import in_place_of
+from grainfit.files import in_place_of, writing
 from grainfit.formatting import counted, in_usual_unit, number, plain, with_unit
 from grainfit.pdf import BOLD, REGULAR, use_fonts
 from grainfit.plots.labels import Label
@@ -102,13 +102,8 @@ def write_sheet(source: str | Path | SavedCalibration, output: str | Path | None
     # An analysis takes seconds, and is only needed where the result has no intervals.
     known = reading.result is not None and reading.result.intervals
     sheet = _Sheet(ReportContext(reading, Analysis() if known else reading.analyse()), card)
-    try:
-        with in_place_of(path) as place:
-            sheet.write(place)
-    except OSError as error:
-        reason = error.strerror or error
-        words = messages.SHEET_CANNOT_BE_WRITTEN(path=str(path), reason=reason)
-        raise StoreError(words) from error
+    with writing(path, StoreError, messages.SHEET_CANNOT_BE_WRITTEN), in_place_of(path) as place:
+        sheet.write(place)
     return path
 
 
