@@ -242,9 +242,8 @@ def old_lines(checkout: Path) -> Counter[str]:
     """Count the lines of the old abilities by their purpose."""
     of_room = {room: name for name, rooms in PURPOSES.items() for room in rooms}
     package = checkout / "src" / "grainfit"
-    added = {path for _, globs in ABILITIES.values() for path in _files_of(checkout, globs)}
     counts = Counter[str]()
-    for path in {*package.rglob("*.py")} - added:
+    for path in {*package.rglob("*.py")} - _new_modules(checkout):
         counts[of_room.get(path.relative_to(package).parts[0], "modules of the ground")] += _length(
             path
         )
@@ -252,9 +251,12 @@ def old_lines(checkout: Path) -> Counter[str]:
 
 
 def _catalogues(checkout: Path) -> str:
-    added = {path for _, globs in ABILITIES.values() for path in _files_of(checkout, globs)}
-    found = {*(checkout / "src").rglob("*messages.py")} - added
+    found = {*(checkout / "src").rglob("*messages.py")} - _new_modules(checkout)
     return f"{sum(map(_length, found)):,}" if found else "-"
+
+
+def _new_modules(checkout: Path) -> set[Path]:
+    return {path for _, globs in ABILITIES.values() for path in _files_of(checkout, globs)}
 
 
 def lines_of(checkout: Path, globs: Iterable[str]) -> int:

@@ -13,6 +13,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained
 from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.outline import concepts
+from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file import messages
 from grainfit.contact_models.registry import CONTACT_MODELS
@@ -214,7 +215,7 @@ def _stiff_enough(material: StartingMaterial, tests: Sequence[BulkTest]) -> Star
     usual = to_unit(str(particle[key].value), "Pa")
 
     def is_too_soft(modulus: float) -> bool:
-        return any(any(material_faults(t, {f"particle.{key}": modulus})) for t in tests)
+        return any(any(material_faults(t, {MODULUS: modulus})) for t in tests)
 
     moduli = [usual, *(m for m in _ROUND_MODULI if m > usual)]
     enough = next((modulus for modulus in moduli if not is_too_soft(modulus)), usual)

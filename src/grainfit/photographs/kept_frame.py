@@ -55,7 +55,6 @@ def keep_frame(
         kept,
         angle=found.responses["dynamic_angle"].value,
         parts=parts,
-        flanks=(),
         outline=(rounded(across), rounded(heights)),
         shown=(-half, half, -half, half),
         drum_radius=radius,

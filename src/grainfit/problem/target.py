@@ -343,18 +343,14 @@ def read_measurements(
     owner = SimpleNamespace(name=name, unit=unit, **dict(zip(keys, given, strict=True)))
     read_quantities(owner, keys)
     values = [as_number(getattr(owner, key)) for key in keys]
-    _refuse(_faults_of_values(name, given, values))
+    InputError.raise_for(_faults_of_values(name, given, values))
     mean = statistics.fmean(values)
-    _refuse(_faults_of_share(name, mean, systematic))
+    InputError.raise_for(_faults_of_share(name, mean, systematic))
     owner.systematic = share_of(systematic, mean)
     read_quantities(owner, {"systematic": "systematic"})
-    _refuse(_faults_of_systematic(name, values, owner.systematic))
+    InputError.raise_for(_faults_of_systematic(name, values, owner.systematic))
     width = None if systematic is None else float(owner.systematic)
     return RepeatedMeasurements(tuple(values), width, owner.unit)
-
-
-def _refuse(faults: Iterator[Fault]) -> None:
-    InputError.raise_for(faults)
 
 
 def _faults_of_values(name: str, given: list[Any], values: list[float]) -> Iterator[Fault]:

@@ -460,6 +460,7 @@ class _Drawn:
         over: Outline | None,
         apart: str,
     ) -> ComparedPicture:
+        scale = pixel / frame.unit
         left, right, lower, upper = (edge * pixel / frame.unit for edge in picture.shown)
         return ComparedPicture(
             file=plain(picture.file),
@@ -472,12 +473,7 @@ class _Drawn:
             simulated="" if over is None else over.path(frame.unit),
             apart=apart,
             lines=[
-                (
-                    pixel / frame.unit * x1,
-                    -pixel / frame.unit * y1,
-                    pixel / frame.unit * x2,
-                    -pixel / frame.unit * y2,
-                )
+                (scale * x1, -scale * y1, scale * x2, -scale * y2)
                 for x1, y1, x2, y2 in picture.lines
             ],
             is_mirrored=picture.is_mirrored,
