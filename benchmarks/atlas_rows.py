@@ -10,18 +10,21 @@ import json
 import os
 import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from scipy.stats import qmc
 
+from grainfit.atlas.differences import FEWEST_PAIRS, REFERENCE, Difference, difference
+from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.inputs import ROW_SCALE, apparatus, ranges_of, simulated
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, hash_of, models_of, revision_of, rows_of
-from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate
+from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate, points_of
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.varied_options import InAtlas
@@ -30,7 +33,7 @@ from grainfit.evaluation import scalars
 from grainfit.files import write_atomically
 from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.solvers.registry import DEM_PROGRAMS
 
 #: Outcomes of the releases that were compared.
 OUTCOMES = SHIPPED.parent / "admitted.json"
@@ -61,12 +64,12 @@ def point(kind: type[BulkTest], number: int) -> dict[str, float]:
     return {name: _rounded(span.at(share), _DIGITS) for (name, span), share in pairs}
 
 
-def made(kind: type[BulkTest], number: int) -> Row:
+def made(kind: type[BulkTest], number: int, solver_name: str = REFERENCE) -> Row:
     """Simulate a row of the atlas."""
     inputs, seed = point(kind, number), number + 1
     try:
         test, material = simulated(kind, inputs)
-        solver = Lammps(test, material)
+        solver = DEM_PROGRAMS[solver_name](test, material)
     except GrainfitError as error:
         return Row(number, seed, inputs, "", {}, str(error), 0.0, "")
     row = partial(Row, number, seed, inputs, identity_of_row(kind, inputs))
@@ -89,7 +92,9 @@ def made(kind: type[BulkTest], number: int) -> Row:
     return row(responses, why, round(seconds, 1), f"{solver.title} {solver.version()}")
 
 
-def grow(kind: type[BulkTest], path: Path, count: int, processes: int = 1) -> Iterator[Row]:
+def grow(
+    kind: type[BulkTest], path: Path, count: int, processes: int = 1, solver: str = REFERENCE
+) -> Iterator[Row]:
     """Make the rows of a test that are missing, and yield each when it is kept.
 
     Parameters
@@ -102,13 +107,15 @@ def grow(kind: type[BulkTest], path: Path, count: int, processes: int = 1) -> It
         Rows that the design has then.
     processes : int
         Runs at a time.
+    solver : str
+        That simulates them.
     """
     known = {row.number for row in rows_in(path) if is_of_today(kind, row)}
     missing = [number for number in range(count) if number not in known]
     with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
         # A line that was cut off must not swallow the next one.
         file.write("\n" if file.tell() else "")
-        waiting = [pool.submit(made, kind, number) for number in missing]
+        waiting = [pool.submit(made, kind, number, solver) for number in missing]
         try:
             for done in as_completed(waiting):
                 row = done.result()
@@ -199,10 +206,58 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
             "rows": hash_of(rows_of(folder, name)),
             "models": hash_of(models_of(folder, name)),
             "count": len(rows),
+            "solvers": _differences(kind, surrogate, source, folder),
         }
         yield f"{name}: {len(rows)} rows, {len(surrogate.models)} responses"
     found = {"licence": "CC0-1.0", "tests": contents}
     write_atomically(folder / CONTENTS, json.dumps(found, indent=1) + "\n")
+
+
+def _differences(
+    kind: type[BulkTest], surrogate: Surrogate, source: Path, folder: Path
+) -> dict[str, dict[str, tuple[float, float]]]:
+    """Return how far other solvers are from LAMMPS, and write their rows into the folder."""
+    found = {}
+    for solver in DEM_PROGRAMS:
+        path = rows_of(source, kind.type, solver)
+        if solver != REFERENCE and path.exists():
+            own = [row for row in rows_in(path) if is_of_today(kind, row)]
+            found[solver] = dict(differences_of(kind, surrogate, own))
+            text = "".join(f"{row.to_text()}\n" for row in own)
+            write_atomically(rows_of(folder, kind.type, solver), text)
+    return found
+
+
+def differences_of(
+    kind: type[BulkTest], surrogate: Surrogate, rows: Sequence[Row]
+) -> Iterator[tuple[str, Difference]]:
+    """Yield how far rows of another solver are from those of the same numbers, by response.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the test.
+    surrogate : Surrogate
+        Has the rows of LAMMPS.
+    rows : sequence of Row
+        Of the other solver.
+    """
+    by_number = {row.number: row for row in surrogate.rows}
+    for name, model in surrogate.models.items():
+        pairs = [
+            (row, by_number[row.number])
+            for row in rows
+            if row.number in by_number
+            and name in row.responses
+            and name in by_number[row.number].responses
+        ]
+        if len(pairs) < FEWEST_PAIRS:
+            continue
+        own, reference = np.array([[row.responses[name][0] for row in pair] for pair in pairs]).T
+        points = points_of([row for row, _ in pairs], ranges_of(kind))
+        scatter = relative_scatter(kind.responses[name], model, points)
+        told = difference(own, reference, scatter)
+        yield name, Difference(_rounded(told.mean, 3), _rounded(told.spread, 3))
 
 
 def _rounded(value: float, digits: int) -> float:

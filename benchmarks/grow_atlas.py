@@ -4,9 +4,11 @@ Finished rows are kept in the folder ``--kept``, one file of JSON lines a test, 
 can be stopped and started again, with more rows as well.
 
     python benchmarks/grow_atlas.py --kept FOLDER [--tests heap ...] [--rows 128] [--processes 1]
+        [--solver lammps]
     python benchmarks/grow_atlas.py --kept FOLDER --publish src/grainfit/atlas/rows
 
-The second fits the metamodels to the rows that are kept, and writes what ships.
+The second fits the metamodels to the rows of LAMMPS that are kept, and the differences of other
+solvers to theirs, and writes what ships.
 """
 
 from __future__ import annotations
@@ -16,8 +18,11 @@ import os
 from pathlib import Path
 
 from atlas_rows import grow, publish
+from grainfit.atlas.differences import REFERENCE
+from grainfit.atlas.shelf import rows_of
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.varied_options import InAtlas
+from grainfit.solvers.registry import DEM_PROGRAMS
 
 IN_ATLAS = {name: kind for name, kind in bulk_tests().items() if isinstance(kind, InAtlas)}
 
@@ -29,6 +34,7 @@ def main() -> None:
     parser.add_argument("--tests", nargs="+", default=list(IN_ATLAS), choices=list(IN_ATLAS))
     parser.add_argument("--rows", type=int, default=128)
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--solver", default=REFERENCE, choices=list(DEM_PROGRAMS))
     parser.add_argument("--publish", type=Path, help="folder of the atlas that ships")
     given = parser.parse_args()
     if given.publish:
@@ -37,8 +43,8 @@ def main() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     given.kept.mkdir(parents=True, exist_ok=True)
     for name in given.tests:
-        path = given.kept / f"{name}.jsonl"
-        for row in grow(IN_ATLAS[name], path, given.rows, given.processes):
+        path = rows_of(given.kept, name, given.solver)
+        for row in grow(IN_ATLAS[name], path, given.rows, given.processes, given.solver):
             print(f"{name} {row.number}: {row.seconds} CPU s {row.why[:80]}", flush=True)
 
 

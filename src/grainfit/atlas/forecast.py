@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from grainfit.arrays import Array
 from grainfit.atlas import messages
+from grainfit.atlas.differences import REFERENCE, Difference, usual_difference
 from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.atlas.shelf import Atlas, shipped_atlas
@@ -18,11 +19,6 @@ from grainfit.problem import Problem
 from grainfit.problem.parameter import Parameter
 from grainfit.problem.target import Target
 from grainfit.solvers.base import Solver
-
-#: Relative difference between LAMMPS, of which the rows are, and another solver: root mean square
-#: over the tests of `benchmarks/solver_agreement.py`, of densities and of other responses.
-_OTHER_DENSITY, _OTHER_RESPONSE = 0.006, 0.02
-_SOLVER = "lammps"
 
 
 class _Told(NamedTuple):
@@ -94,13 +90,18 @@ class Forecast:
         means, variances = [], []
         for one, at, unit in self._at(points):
             mean, variance = one.model.predict(at)
-            if one.solver.name != _SOLVER:
-                is_density = one.target.unit == "kg/m^3"
-                share = _OTHER_DENSITY if is_density else _OTHER_RESPONSE
-                variance = variance + (share * mean) ** 2
+            if one.solver.name != REFERENCE:
+                other = self._difference(one)
+                variance = (1 + other.mean) ** 2 * variance + (other.spread * mean) ** 2
+                mean = (1 + other.mean) * mean
             means.append(mean * unit)
             variances.append(variance * unit**2)
         return np.column_stack(means), np.column_stack(variances)
+
+    def _difference(self, one: _Told) -> Difference:
+        test = one.reading.test.type
+        told = self._atlas.difference(one.solver.name, test, one.response)
+        return told or usual_difference(one.reading.kind.responses[one.response].unit)
 
     def scatter(self, points: ArrayLike) -> Array:
         """Return standard deviations from run to run, shape (m, targets).

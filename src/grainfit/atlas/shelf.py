@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.atlas import messages
+from grainfit.atlas.differences import REFERENCE, Difference
 from grainfit.atlas.reading import NotInAtlasError
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.surrogate import Surrogate
@@ -88,6 +89,14 @@ class Atlas:
             raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
         return found
 
+    def difference(self, solver: str, test: str, response: str) -> Difference | None:
+        """Return how far a solver is from LAMMPS in a response; None where no rows tell it."""
+        try:
+            mean, spread = self._tests[test]["solvers"][solver][response]
+            return Difference(float(mean), float(spread))
+        except (KeyError, TypeError, ValueError):
+            return None
+
     def faults(self) -> Iterator[str]:
         """Yield the tests of which it has rows that tell nothing."""
         for name in self.tests:
@@ -116,9 +125,9 @@ def revision_of(kind: type[BulkTest]) -> str:
     return f"{SCENES_REVISION}.{kind.revision}"
 
 
-def rows_of(folder: Path, name: str) -> Path:
-    """Return the file with the rows of a test."""
-    return folder / f"{name}.jsonl"
+def rows_of(folder: Path, name: str, solver: str = REFERENCE) -> Path:
+    """Return the file with the rows of a test that a solver made."""
+    return folder / (f"{name}.jsonl" if solver == REFERENCE else f"{name}.{solver}.jsonl")
 
 
 def models_of(folder: Path, name: str) -> Path:
