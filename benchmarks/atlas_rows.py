@@ -14,11 +14,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.stats import qmc
 
+from grainfit.arrays import Array
 from grainfit.atlas.differences import FEWEST_PAIRS, REFERENCE, Difference, difference
 from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.inputs import ROW_SCALE, apparatus, ranges_of, simulated
@@ -242,22 +243,40 @@ def differences_of(
     rows : sequence of Row
         Of the other solver.
     """
-    by_number = {row.number: row for row in surrogate.rows}
-    for name, model in surrogate.models.items():
-        pairs = [
-            (row, by_number[row.number])
-            for row in rows
-            if row.number in by_number
-            and name in row.responses
-            and name in by_number[row.number].responses
-        ]
-        if len(pairs) < FEWEST_PAIRS:
-            continue
-        own, reference = np.array([[row.responses[name][0] for row in pair] for pair in pairs]).T
-        points = points_of([row for row, _ in pairs], ranges_of(kind))
-        scatter = relative_scatter(kind.responses[name], model, points)
-        told = difference(own, reference, scatter)
-        yield name, Difference(_rounded(told.mean, 3), _rounded(told.spread, 3))
+    for name in surrogate.models:
+        pairs = pairs_of(kind, surrogate, rows, name)
+        if len(pairs.own) >= FEWEST_PAIRS:
+            told = difference(*pairs)
+            yield name, Difference(_rounded(told.mean, 3), _rounded(told.spread, 3))
+
+
+class Pairs(NamedTuple):
+    """A response in rows that two solvers made, each of shape (n,)."""
+
+    own: Array
+    reference: Array
+    scatter: Array
+
+
+def pairs_of(kind: type[BulkTest], surrogate: Surrogate, rows: Sequence[Row], name: str) -> Pairs:
+    """Return a response in rows of another solver and in those of LAMMPS with the same numbers.
+
+    The scatter is that of a run over its response.
+    """
+    found = {row.number: row for row in surrogate.rows if name in row.responses}
+    own = [row for row in rows if name in row.responses and row.number in found]
+    scatter = (
+        relative_scatter(
+            kind.responses[name], surrogate.models[name], points_of(own, ranges_of(kind))
+        )
+        if own
+        else np.empty(0)
+    )
+    return Pairs(
+        np.array([row.responses[name][0] for row in own]),
+        np.array([found[row.number].responses[name][0] for row in own]),
+        scatter,
+    )
 
 
 def _rounded(value: float, digits: int) -> float:

@@ -57,8 +57,15 @@ def difference(own: Array, reference: Array, scatter: Array) -> Difference:
     >>> round(difference(1.02 * reference, reference, np.zeros(20)).mean, 4)
     0.02
     """
-    shares = 2 * (own - reference) / (np.abs(own) + np.abs(reference))
+    shares = relative_differences(own, reference)
     variance = float(shares.var(ddof=1))
     between = max(0.0, variance - 2 * float((scatter**2).mean()))
-    # To first order, the share of the middle of two values is that of the second.
     return Difference(float(shares.mean()), float(np.sqrt(between + variance / len(shares))))
+
+
+def relative_differences(own: Array, reference: Array) -> Array:
+    """Return differences over the middle of both values, shape (n,).
+
+    To first order that is the difference over the second.
+    """
+    return np.asarray(2 * (own - reference) / (np.abs(own) + np.abs(reference)))
