@@ -11,7 +11,7 @@ from grainfit.calibration_file import messages
 from grainfit.calibration_file.cluster import CLUSTER, cluster_options
 from grainfit.calibration_file.parameters import FixedOrFree, OwnParameter
 from grainfit.calibration_file.strategy_section import StrategySection, strategy_keys
-from grainfit.calibration_file.tests_section import Tests
+from grainfit.calibration_file.tests_section import Tests, with_instrument
 from grainfit.calibration_file.walls import TestWalls, WallTable, declared_walls, note_unused_walls
 from grainfit.contact_models.base import Kind
 from grainfit.contact_models.registry import (
@@ -415,12 +415,14 @@ def _note_impossible_tests(simulated: list[TestWalls], values: Values, place: Pl
     if sizes is None:
         return
     for one in simulated:
+        # Faults of the instrument and of the single options are noted already.
+        noted = Place(Findings(place.findings.folder))
+        whole, _ = with_instrument(one.table, noted)
         keys = one.test.option_keys()
-        given = {key.name: one.table[key.name] for key in keys if key.name in one.table}
+        given = {key.name: whole[key.name] for key in keys if key.name in whole}
         if any(key.required and key.name not in given for key in keys):
             continue
-        # Faults of the single options are noted already.
-        options = Table(keys).read(given, Place(Findings(place.findings.folder)))
+        options = Table(keys).read(given, noted)
         if None in options.values():
             continue
         try:
