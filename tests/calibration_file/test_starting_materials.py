@@ -11,7 +11,10 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.instrument import instrument_names
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.bulk_tests.shared.messages import TOO_MANY_PARTICLES
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import starter_file
@@ -22,6 +25,7 @@ from grainfit.materials.starting_materials import (
     read_starting_material,
     starting_material_names,
 )
+from grainfit.scenes.packing import MOST_PARTICLES
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
@@ -85,6 +89,29 @@ def test_the_file_of_an_instrument_has_particles_that_bear_its_stress(tmp_path: 
     assert plan.problems == ()
     assert 'youngs_modulus = "10 MPa"' in path.read_text(encoding="utf-8")
     assert "3 MPa" in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", instrument_names())
+def test_particles_are_enlarged_where_an_instrument_holds_too_many(
+    tmp_path: Path, name: str
+) -> None:
+    path = tmp_path / "sand.toml"
+    text = starter_file([name], read_starting_material("dry_sand"))
+    path.write_text(text, encoding="utf-8")
+
+    [solver] = gf.load(path).solvers.values()
+
+    assert solver.test.number_of_particles < MOST_PARTICLES
+    is_enlarged = solver.test.sizes.coarse_graining > 1
+    assert messages.ENLARGED_PARTICLES.is_in(text.replace("\n# ", " ")) is is_enlarged
+
+
+def test_particles_are_enlarged_for_all_tests_or_none() -> None:
+    # The usual heap of cement is too small for particles that the cylinder is not too large for.
+    with pytest.raises(InputError) as refused:
+        starter_file(["usp_616_method_2", "heap"], read_starting_material("cement"))
+
+    assert TOO_MANY_PARTICLES.is_in(str(refused.value))
 
 
 @pytest.mark.parametrize("material", MATERIALS)

@@ -165,6 +165,11 @@ HOLDOUT_LINE = Message(
 HOLDOUT_MEASURED = Message("Its measured values take no part in the fit.")
 HOLDOUT_UNMEASURED = Message("It has no measured value: what is expected will be told.")
 NO_ACCURACY = Message("{given!r} has no value.", "Write NAME=VALUE.")
+ENLARGED_PARTICLES = Message(
+    "{names}: more particles of this size than can be simulated. Simulated ones are {factor:g} "
+    "times as large, at most {count:,} of them in a run. What that changes, and when it is right: "
+    "docs/coarse_graining.md"
+)
 RAISED_MODULUS = Message(
     "{source} That is {usual}; here they are stiffer, because the stress of the instrument would "
     "compress such particles instead of the bed."

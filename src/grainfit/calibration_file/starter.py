@@ -5,17 +5,16 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from math import radians, tan
 
-from grainfit.bulk_tests.abilities import material_faults, starter_remarks
+from grainfit.bulk_tests.abilities import starter_remarks
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained
 from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.outline import concepts
-from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration_file import messages
+from grainfit.calibration_file.suited_material import suited_to
 from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.errors import Fault, InputError
 from grainfit.materials.starting_materials import StartingMaterial
@@ -28,8 +27,6 @@ from grainfit.units import to_unit
 #: Column at which remarks begin.
 _REMARK = 40
 _WIDTH = 100
-#: Young's moduli to choose from where an instrument needs stiff particles, Pa.
-_ROUND_MODULI = [digit * 10.0**power for power in (6, 7, 8) for digit in (1, 2, 5)]
 _DEFAULT_TEST, _DEFAULT_SOLVER = "heap", "lammps"
 
 _HEAD = """\
@@ -166,15 +163,16 @@ def starter_file(
     if not faults:
         diameter = f"{DIAMETER_OF_EXAMPLES} mm"
         tests = [known[kind](diameter=diameter) for kind in dict.fromkeys(kinds.values())]
-        own = diameter if material is None else material.sections["particle"]["diameter"].value
-        as_real = [known[one.type](diameter=own, **one.values) for one in instruments.values()]
         program = DEM_PROGRAMS[solver]
         faults = [f for test in tests for f in program.concept_faults(test.type, concepts(test))]
     InputError.raise_for(faults)
     if material is None:
+        for one in instruments.values():
+            known[one.type](diameter=diameter, **one.values)
         first = _for_solver(_GLASS_BEADS, solver)
     else:
-        first = _material_part(_stiff_enough(material, as_real), solver, tests)
+        usual = [kind for name, kind in kinds.items() if name not in instruments]
+        first = _material_part(suited_to(material, usual, instruments), solver, tests)
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
     for number, name in enumerate(names, 1):
         instrument = instruments.get(name)
@@ -207,24 +205,6 @@ def starter_test(
     test = bulk_tests()[instrument.type if instrument else name]
     lines = _test(test, name if instrument else "", solver, material, instrument)
     return "".join(f"{'# ' * line.startswith('targets.')}{line}\n" for line in lines)
-
-
-def _stiff_enough(material: StartingMaterial, tests: Sequence[BulkTest]) -> StartingMaterial:
-    """Return the material, with a modulus that bears the stresses that instruments prescribe."""
-    key, particle = "youngs_modulus", material.sections["particle"]
-    usual = to_unit(str(particle[key].value), "Pa")
-
-    def is_too_soft(modulus: float) -> bool:
-        return any(any(material_faults(t, {MODULUS: modulus})) for t in tests)
-
-    moduli = [usual, *(m for m in _ROUND_MODULI if m > usual)]
-    enough = next((modulus for modulus in moduli if not is_too_soft(modulus)), usual)
-    if enough == usual:
-        return material
-    source = messages.RAISED_MODULUS(source=particle[key].source, usual=particle[key].value)
-    stiffer = StartingValue(f"{enough / 1e6:g} MPa", source)
-    sections = {**material.sections, "particle": {**particle, key: stiffer}}
-    return replace(material, sections=sections)
 
 
 def _material_part(material: StartingMaterial, solver: str, tests: Sequence[BulkTest]) -> str:
@@ -261,6 +241,8 @@ def _sections(material: StartingMaterial, solver: str, tests: Sequence[BulkTest]
             yield _with_remark(f"{key} = {entry.toml}", "free" if entry.is_free else "")
         for key, entry in material.suggested.get(section, {}).items():
             name = f"{section}.{key}"
+            if key in values:
+                continue
             if _acts_unchosen(name, solver) and _fits(name, entry, tests):
                 yield from _comment(entry.source)
                 yield f"# {key} = {entry.toml}"

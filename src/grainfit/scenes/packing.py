@@ -33,6 +33,17 @@ _MOST_PUSHES, _JAMMED = 2000, 0.6
 MOST_PARTICLES = 1_000_000
 
 
+def factor_for_fewer(count: float) -> float:
+    """Return how many times as large particles have to be, at least, for a test to hold few enough.
+
+    Examples
+    --------
+    >>> factor_for_fewer(8.24e6)
+    2.1
+    """
+    return math.ceil(10 * math.cbrt(count / MOST_PARTICLES)) / 10
+
+
 class Footprint(Protocol):
     """Horizontal cross-section of a column."""
 

@@ -16,6 +16,7 @@ from grainfit.scenes.packing import (
     Footprint,
     Round,
     column_height,
+    factor_for_fewer,
     mean_particle_volume,
 )
 from grainfit.scenes.scene import Stage, natural_speed, natural_time
@@ -180,6 +181,7 @@ def count_faults(
         "particle_count" if count_is_given else longest,
         count=count,
         most=MOST_PARTICLES,
+        factor=factor_for_fewer(count),
         container=container,
     )
 

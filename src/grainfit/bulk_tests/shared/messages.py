@@ -18,7 +18,8 @@ CYLINDER_IS_NARROW = Message(
 )
 TOO_MANY_PARTICLES = Message(
     "{count} particles are more than {most} ({container}).",
-    "Use a smaller container or larger particles.",
+    "Use particles at least {factor:g} times as large (particle.coarse_graining), or a smaller "
+    "container.",
 )
 NOT_FILLED = Message(
     "{count} particles do not fill the cylinder up to the strike-off height {strike_off:g} m.",

@@ -5,7 +5,8 @@ from grainfit.messages import Message
 TOO_MANY_PARTICLES = Message(
     "between plates of {length:g} m x {depth:g} m, {gap:g} m apart, are {count:.3g} "
     "particles; at most {most:g} are allowed.",
-    "Use smaller lengths, or larger particles.",
+    "Use particles at least {factor:g} times as large (particle.coarse_graining), or smaller "
+    "lengths.",
 )
 FAST_SHEAR = Message(
     "the inertial number is {number:g}; shear is quasi-static up to about {slowest:g}. The angle "

@@ -15,7 +15,7 @@ from grainfit.bulk_tests.shear import messages
 from grainfit.errors import Fault
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.glued import Glued
-from grainfit.scenes.packing import MOST_PARTICLES, mean_particle_volume
+from grainfit.scenes.packing import MOST_PARTICLES, factor_for_fewer, mean_particle_volume
 from grainfit.scenes.scene import Load, Velocity
 
 #: The default stress for particles of 10 mm on Earth.
@@ -161,6 +161,7 @@ class ShearSetup(Setup):
                 gap=self.gap,
                 count=self._count,
                 most=MOST_PARTICLES,
+                factor=factor_for_fewer(self._count),
             )
 
 

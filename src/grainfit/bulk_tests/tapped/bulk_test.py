@@ -83,7 +83,11 @@ class TappedSetup(PackingSetup):
         if self.drop_height > highest:
             yield [
                 messages.DROP_IS_HIGH.fault(
-                    "drop_height", drop=self.drop_height, height=self.fill_height, highest=highest
+                    "drop_height",
+                    drop=self.drop_height,
+                    height=self.fill_height,
+                    highest=highest,
+                    least=self.drop_height / _HIGHEST_DROP,
                 )
             ]
 

@@ -5,7 +5,8 @@ from grainfit.messages import Message
 TOO_MANY_PARTICLES = Message(
     "in a box of {width:g} m x {width:g} m x {height:g} m are {count:.3g} particles; at most "
     "{most:g} are allowed.",
-    "Use smaller lengths, or larger particles.",
+    "Use particles at least {factor:g} times as large (particle.coarse_graining), or smaller "
+    "lengths.",
 )
 NO_ROOM = Message(
     "{count} particles find no place in the box.", "Use a larger box, or less elongated particles."

@@ -10,7 +10,7 @@ from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
 from grainfit.bulk_tests.triaxial import messages
 from grainfit.errors import Fault
-from grainfit.scenes.packing import MOST_PARTICLES, mean_particle_volume
+from grainfit.scenes.packing import MOST_PARTICLES, factor_for_fewer, mean_particle_volume
 from grainfit.scenes.scene import Load, Velocity
 
 #: The default stress for particles of 10 mm on Earth.
@@ -155,4 +155,5 @@ class TriaxialSetup(Setup):
                 height=self.height,
                 count=self._count,
                 most=MOST_PARTICLES,
+                factor=factor_for_fewer(self._count),
             )
