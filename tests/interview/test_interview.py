@@ -351,3 +351,23 @@ def test_a_bucket_of_small_particles_is_searched_in_smaller_ones(tmp_path: Path)
     assert "twins" not in tomllib.loads(small.answered("twins", "as measured").text)["strategy"]
     with pytest.raises(gf.InputError, match="at least 100"):
         asked.answered("twins", "5")
+
+
+SAND = (
+    ("material", "dry sand"),
+    ("diameter", "0.5 mm"),
+    ("at_hand", "iso_60, scale, tube"),
+    ("tests", "iso_60"),
+)
+
+
+def test_particles_are_enlarged_where_the_apparatus_holds_too_many(tmp_path: Path) -> None:
+    asked = interview(tmp_path, *SAND)
+
+    assert messages.ENLARGED.is_in(asked.enlargement)
+    factor = tomllib.loads(asked.text)["particle"]["coarse_graining"]
+    assert factor == 4
+
+    coarser = asked.answered("diameter", "3 mm")
+    assert tomllib.loads(coarser.text)["particle"]["coarse_graining"] == 1
+    assert coarser.enlargement == ""

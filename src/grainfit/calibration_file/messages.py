@@ -279,6 +279,9 @@ NO_RAYLEIGH_TIME_STEP = Message(
     "The Rayleigh time step is not known, so it plays no part in the choice of the answer: "
     "{missing} {verb} not in the file."
 )
+PARTICLES_ARE_ENLARGED = Message(
+    "Its particles are {factor:g} times as large as the real ones (docs/coarse_graining.md)."
+)
 COST_IN_THE_MIDDLE = Message("In the middle of the intervals: {cost}.")
 PART_OF_SEARCH = Message(
     "Test {test}: a part of the search runs with {what}, in about {share:.2g} % of the computing "

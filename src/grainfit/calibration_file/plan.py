@@ -232,6 +232,9 @@ def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
     cost = solver.estimate_cost(problem.middle)
     if cost is not None:
         yield f"  {messages.COST_IN_THE_MIDDLE(cost=cost)}"
+    test = solver.bulk_test
+    if test is not None and test.sizes.coarse_graining != 1:
+        yield f"  {messages.PARTICLES_ARE_ENLARGED(factor=test.sizes.coarse_graining)}"
 
 
 def _relative_lines(setup: CalibrationSetup) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from grainfit.units import to_unit
 #: Young's moduli to choose from where an instrument needs stiff particles, Pa.
 _ROUND_MODULI = [digit * 10.0**power for power in (6, 7, 8) for digit in (1, 2, 5)]
 #: Factors to choose from where an instrument holds more particles than can be simulated.
-_ROUND_FACTORS = (1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 60, 80, 100)
+_ROUND_FACTORS = (1.0, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 60, 80, 100)
 #: Particles of a run that takes minutes.
 _FEW = 20_000
 
@@ -55,7 +55,7 @@ def suited_to(
         source = messages.ENLARGED_PARTICLES(
             names=", ".join(instruments),
             factor=factor,
-            count=max(test.number_of_particles for test in tests),
+            count=most_particles(tests),
         )
         material = _with_value(material, "coarse_graining", StartingValue(factor, source))
     return _stiff_enough(material, tests[len(kinds) :])
@@ -76,19 +76,40 @@ def _few_enough(
 
     try:
         return 1, tests(1)
-    except InputError as error:
-        refused = error
+    except InputError:
+        factor = factor_for_few(lambda factor: most_particles(tests(factor)))
+        if factor is None:
+            raise
+        return factor, tests(factor)
+
+
+def factor_for_few(count: Callable[[float], int]) -> float | None:
+    """Return how many times as large particles are simulated where the real ones are too many.
+
+    That is 1 if they are not; else the smallest round factor with which runs take minutes, or the
+    largest possible one; None if no factor is.
+
+    Parameters
+    ----------
+    count : callable
+        Returns the particles of the largest test at a factor; raises `InputError` if a test is
+        impossible with it.
+    """
     found = None
     for factor in _ROUND_FACTORS:
         try:
-            found = factor, tests(factor)
+            few = count(factor) <= _FEW
         except InputError:
             continue
-        if max(test.number_of_particles for test in found[1]) <= _FEW:
+        found = factor
+        if few or factor == 1:
             break
-    if found is None:
-        raise refused
     return found
+
+
+def most_particles(tests: Iterable[BulkTest]) -> int:
+    """Return the particles of the test that has most."""
+    return max(test.number_of_particles for test in tests)
 
 
 def _stiff_enough(material: StartingMaterial, tests: Sequence[BulkTest]) -> StartingMaterial:

@@ -221,6 +221,13 @@ def named_tests(text: str) -> list[tuple[str, dict[str, Any]]]:
     return [(str(one.get("name", one.get("type"))), one) for one in found if isinstance(one, dict)]
 
 
+def coarse_graining(text: str) -> float:
+    """Return how many times as large as the real ones the particles of a file are."""
+    particle = tomllib.loads(text).get("particle", {}) if text else {}
+    found = particle.get("coarse_graining", 1)
+    return float(found) if isinstance(found, int | float) else 1.0
+
+
 def is_measured(test: dict[str, Any]) -> bool:
     """Return whether a test of a file has a target with a value, a table or photographs."""
     targets = test.get("targets", {})

@@ -12,6 +12,7 @@ from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file, parse_text, read_text
 from grainfit.calibration_file.planned import load_planned_file
 from grainfit.calibration_file.starter import starter_test
+from grainfit.calibration_file.suited_material import factor_for_few, most_particles
 from grainfit.errors import Fault, InputError
 from grainfit.files import write_atomically
 from grainfit.formatting import in_a_row
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from grainfit.atlas.estimate import Estimate
     from grainfit.calibration_file.plan import Plan
     from grainfit.which_test.measurement_plan import MeasurementPlan
+
+#: What faults of too many particles advise.
+_ENLARGING = "particle.coarse_graining"
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,8 +102,8 @@ class Interview(OneLine):
         given = given.strip()
         changed = self.text
         if given != question.answer and (given or ".targets." in key):
-            changed = self._changed(key, given)
-            self._require_no_new_fault(changed)
+            changed = self._with_few_particles(self._changed(key, given))
+            InputError.raise_for(self._new_faults(changed))
         if not changed:
             raise InputError(messages.NO_MATERIAL.fault(key))
         asked = note(changed, answers.ASKED).split()
@@ -140,12 +144,33 @@ class Interview(OneLine):
             raise InputError(messages.OTHER_MATERIAL.fault(answers.MATERIAL))
         return answers.new_file(given, self.solver)
 
-    def _require_no_new_fault(self, changed: str) -> None:
+    def _new_faults(self, changed: str) -> list[Fault]:
         found = _faults(self.path, changed)
         if found:
             before = {(fault.key, fault.message) for fault in _faults(self.path, self.text)}
             found = [fault for fault in found if (fault.key, fault.message) not in before]
-        InputError.raise_for(found)
+        return found
+
+    def _with_few_particles(self, changed: str) -> str:
+        """Return a text with larger particles where the real ones are too many to be simulated."""
+        if not any(_ENLARGING in fault.remedy for fault in self._new_faults(changed)):
+            return changed
+
+        def enlarged(factor: float) -> str:
+            return with_value(changed, tuple(_ENLARGING.split(".")), f"{factor:g}")
+
+        def count(factor: float) -> int:
+            solvers = load_planned_file(self.path, enlarged(factor)).solvers.values()
+            return most_particles(one.bulk_test for one in solvers if one.bulk_test is not None)
+
+        factor = factor_for_few(count)
+        return changed if factor is None else enlarged(factor)
+
+    @property
+    def enlargement(self) -> str:
+        """How much larger its particles are than the real ones; empty if they are as large."""
+        factor = answers.coarse_graining(self.text)
+        return messages.ENLARGED(factor=factor) if factor > 1 else ""
 
     @property
     def remark(self) -> str:

@@ -61,4 +61,8 @@ NOT_CHOSEN = Message("No test is chosen yet.")
 REPEATS = Message("Mean {value} of {count} repeats, standard uncertainty {error}, within {width}.")
 ONE_VALUE = Message("{value}, standard uncertainty {error}, met within {width}.")
 REPEAT_IT = Message("One value says nothing of its scatter: three repeats or more do.")
+ENLARGED = Message(
+    "The apparatus holds too many of the real particles. Simulated ones are {factor:g} times as "
+    "large (docs/coarse_graining.md)."
+)
 NO_SHEET = Message("no test is chosen.", "Choose those that you measure: the sheet is for them.")

@@ -244,8 +244,9 @@
         section.append(element("p", { className: "entry help", textContent: question.entry }));
       }
       section.append(drawn(question));
-      if (question.key === "material" && state.remark) {
-        section.append(element("p", { className: "note", textContent: state.remark }));
+      const remark = { material: state.remark, tests: state.enlargement }[question.key];
+      if (remark) {
+        section.append(element("p", { className: "note", textContent: remark }));
       }
     });
     at("questions").replaceChildren(...sections.values());
@@ -424,7 +425,7 @@
   // --- All of it ----------------------------------------------------------------------------------
 
   const show = (found) => {
-    const shape = (of) => JSON.stringify([of.remark, (of.questions || [])
+    const shape = (of) => JSON.stringify([of.remark, of.enlargement, (of.questions || [])
       .map((one) => [one.key, one.options, one.answer, one.overlays])]);
     const isOther = shape(found) !== shape(state) || !at("questions").children.length;
     state = found;

@@ -73,6 +73,7 @@ class StartServer(LocalServer):
             "text": interview.text,
             "questions": [asdict(one) for one in interview.questions()],
             "remark": interview.remark,
+            "enlargement": interview.enlargement,
             "left": list(interview.left),
             "steps": interview.steps,
             "drawings": interview.drawings,

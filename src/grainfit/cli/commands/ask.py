@@ -174,13 +174,15 @@ class _Conversation:
         InputError
             It is impossible.
         """
-        changed = self.interview.answered(key, given)
+        changed, before = self.interview.answered(key, given), self.interview.enlargement
         is_measured = ".targets." in key and bool(given)
         self.interview = changed
         changed.save()
         self._done.append(key)
         if key == "material" and changed.remark:
             err.print(Text(plain(changed.remark)))
+        if changed.enlargement != before:
+            err.print(Text(plain(changed.enlargement)))
         if is_measured:
             self._measured = True
             found = {one.key: one.implies for one in changed.questions()}
