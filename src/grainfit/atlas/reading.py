@@ -27,7 +27,7 @@ from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.stiffness import stiffness_number
-from grainfit.bulk_tests.varied_options import InAtlas
+from grainfit.bulk_tests.varied_options import NUMERICAL, InAtlas
 from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
 from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of
@@ -239,7 +239,7 @@ def _apparatus_inputs(
         return {name: usual[name] for name in (SIZE, *varied.factors)}
     alike = apparatus(kind, usual, scale).resolved_options()
     for name, value in given.items():
-        is_input = name in varied.values or name in varied.indifferent
+        is_input = name in varied.values or name in (*varied.indifferent, *NUMERICAL)
         if not is_input and not _is_same(value, alike[name]):
             raise NotInAtlasError(
                 messages.OTHER_OPTION(name=name, value=_shown(value), usual=_shown(alike[name]))

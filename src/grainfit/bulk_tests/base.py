@@ -47,6 +47,8 @@ LOWEST_GRAVITY = 1e-3
 TIME_STEP_FRACTION = 0.12
 #: Parts of a test that can be of different materials, each with its walls in the scene.
 Parts = Mapping[str, tuple[str, ...]]
+#: Checks of a test.
+Checks = tuple[Check[CheckedTest[Any]], ...]
 _DIAMETER = Key("diameter", Diameters(), "Particle diameter.", example='"10 mm"')
 
 
@@ -86,7 +88,7 @@ class BulkTest(OneLine, ABC):
     #: What to enter instead of measured quantities that are no responses, by their names.
     enter_instead: ClassVar[Mapping[str, str]] = {}
     #: Checks of the test in a calibration, before any run.
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = ()
+    checks: ClassVar[Checks] = ()
     #: Raised whenever the procedure or its evaluation change the outcome of a run.
     revision: ClassVar[int] = 1
 
@@ -140,6 +142,9 @@ class BulkTest(OneLine, ABC):
         found += [f"{name} is a response and a curve" for name in responses if name in cls.curves]
         if cls.footprint is BulkTest.footprint and cls.column is BulkTest.column:
             found.append("footprint is missing")
+        counted = cls.number_of_particles is not BulkTest.number_of_particles
+        if not counted and not hasattr(getattr(cls.setup, "func", None), "filling"):
+            found.append("number_of_particles is missing")
         return found
 
     @cached_property
@@ -298,9 +303,12 @@ class BulkTest(OneLine, ABC):
         """
 
     @property
-    @abstractmethod
     def number_of_particles(self) -> int:
-        """Number of particles at the beginning of a run, glued ones included."""
+        """Number of particles at the beginning of a run, glued ones included.
+
+        Overridden by tests whose setup has no `Filling`.
+        """
+        return int(self.setup.filling.particle_count)
 
     @abstractmethod
     def simulated_time(self, material: Mapping[str, float]) -> float:

@@ -11,6 +11,9 @@ import numpy as np
 
 from grainfit.one_line import OneLine
 
+#: Options of any test on which responses hardly depend.
+NUMERICAL = ("settling_time_limit", "time_step_fraction")
+
 
 @dataclass(frozen=True)
 class Range:
@@ -88,7 +91,7 @@ class VariedOptions(OneLine):
     same : mapping of str to object
         Options that are the same in every row, and not the usual ones.
     indifferent : tuple of str
-        Options on which responses hardly depend: every value is admitted.
+        Options on which responses hardly depend, besides `NUMERICAL`: every value is admitted.
     left : tuple of str
         Those of them that keep their own default at every size.
     """

@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, Parts
-from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.compression import messages
 from grainfit.bulk_tests.compression.curve import (
     COLUMNS,
@@ -25,14 +24,13 @@ from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
-from grainfit.bulk_tests.shared.options import LENGTH, STRESS, settling_option
+from grainfit.bulk_tests.shared.options import LENGTH, STRESS, cylinder_option, settling_option
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_held, require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import UNDER_A_STRESS, OverlapLaw
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, Response
 from grainfit.measurement.bulk_density import bulk_density
@@ -90,7 +88,7 @@ class Compression(BulkTest):
     """
 
     type: ClassVar[str] = "compression"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (surplus_particles, narrow_cylinder)
+    checks: ClassVar[Checks] = (surplus_particles, narrow_cylinder)
     title: ClassVar[str] = "uniaxial, confined"
     vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {
@@ -109,13 +107,7 @@ class Compression(BulkTest):
         loads={"stress": Range(30.0, 300.0, power=0)},
         # Moduli have no limit with stiff particles: they follow a power of E over the stress.
         stiffness=Range(1000.0, 10_000.0, power=0),
-        indifferent=(
-            "seating_stress",
-            "particle_count",
-            "piston_speed",
-            "settling_time_limit",
-            "time_step_fraction",
-        ),
+        indifferent=("seating_stress", "particle_count", "piston_speed"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "loading_modulus": ResponseInfo(
@@ -181,12 +173,7 @@ class Compression(BulkTest):
         example='"500 Pa"',
         default=Derived("5 % of the stress", lambda s: s.usual_seating),
     )
-    cylinder_radius: Amount | None = option(
-        LENGTH,
-        "Inner radius of the pot.",
-        example='"50 mm"',
-        default=Derived("5 d", lambda s: s.usual_radius),
-    )
+    cylinder_radius: Amount | None = cylinder_option("pot", 5)
     strike_off_height: Amount | None = option(
         LENGTH,
         "Height of the bed before it is pressed: particles with their centre above are removed.",
@@ -374,11 +361,6 @@ class Compression(BulkTest):
         ratios = held.lateral_stresses / ((held.stresses + held.floor_stresses) / 2)
         value = float(ratios.mean())
         return Response(value, _scatter("lateral_stress_ratio", particles) * value)
-
-    @property
-    def number_of_particles(self) -> int:
-        """Number of particles rained in."""
-        return self.setup.particle_count
 
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""

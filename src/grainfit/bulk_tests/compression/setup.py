@@ -12,7 +12,6 @@ from grainfit.bulk_tests.shared.filling import (
     Filling,
     count_faults,
     cylinder_faults,
-    least_radius,
     particles_to_fill,
     strike_off_faults,
 )
@@ -47,11 +46,6 @@ _RECORDS = 50
 
 class CompressionSetup(Setup):
     """Geometry and procedure of a compression test."""
-
-    @property
-    def usual_radius(self) -> float:
-        """Default of the inner radius of the pot, m."""
-        return max(5 * self.d, least_radius(self.real))
 
     @property
     def usual_height(self) -> float:

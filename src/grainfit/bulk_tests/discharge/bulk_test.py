@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, Parts
-from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
@@ -28,7 +27,6 @@ from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Measured, Response
 from grainfit.materials.particle_shape import ASPECT_RATIO
@@ -78,7 +76,7 @@ class Discharge(BulkTest):
     }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown] = Shown("discharge", "mass_flow", snapshot_file(END), _PICTURE)
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+    checks: ClassVar[Checks] = (
         narrow_orifice(lambda test: test.setup.container.orifice),
         flow_depth,
         unusual_flow,
@@ -88,7 +86,6 @@ class Discharge(BulkTest):
         "width",
         Range(0.8, 1.3, power=-1),
         factors={"slot_width": Range(0.8, 1.6), "fill_height": Range(0.7, 1.4)},
-        indifferent=("settling_time_limit", "time_step_fraction"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": ResponseInfo(
@@ -270,14 +267,9 @@ class Discharge(BulkTest):
             return bulk_density_in_box(bed, 2 * container.half_width, container.period, bottom, top)
         return bulk_density(bed, container.half_width, bottom, top)
 
-    @property
-    def number_of_particles(self) -> int:
-        """Number of particles rained in."""
-        return self.setup.filling.particle_count
-
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
-        return 1.25 * self.setup.filling.fill_time + self.setup.flow_time
+        return self.setup.filling.usual_time + self.setup.flow_time
 
     def view(self, run: RunOutput) -> DischargeView:
         """Read the end of a run, to be drawn."""

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.draw_down import messages
 from grainfit.bulk_tests.draw_down.setup import CLEARANCE, DrawDownSetup
@@ -38,7 +38,7 @@ from grainfit.bulk_tests.shared.validity import (
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
 from grainfit.materials.particle_shape import ASPECT_RATIO
@@ -104,7 +104,7 @@ class DrawDown(BulkTest):
     }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown] = Shown("draw-down", "angle_of_repose", snapshot_file(END), _PICTURE)
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+    checks: ClassVar[Checks] = (
         narrow_orifice(lambda test: test.setup.box.orifice),
         smooth_walls,
         flow_depth,
@@ -121,12 +121,7 @@ class DrawDown(BulkTest):
             "floor_rolling_friction": Range(0.05, 1.0, power=0),
         },
         wider={"floor_half_width": 2.0},
-        indifferent=(
-            "shelf_thickness",
-            "floor_half_width",
-            "settling_time_limit",
-            "time_step_fraction",
-        ),
+        indifferent=("shelf_thickness", "floor_half_width"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
@@ -341,14 +336,9 @@ class DrawDown(BulkTest):
             "angle_of_repose": surfaces.angle_of_repose().response,
         }
 
-    @property
-    def number_of_particles(self) -> int:
-        """Number of particles rained in."""
-        return self.setup.filling.particle_count
-
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
-        return 1.25 * self.setup.filling.fill_time + self.setup.flow_time
+        return self.setup.filling.usual_time + self.setup.flow_time
 
     def view(self, run: RunOutput) -> DrawDownView:
         """Read the end of a run, to be drawn."""

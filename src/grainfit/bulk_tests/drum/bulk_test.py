@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.drum.angles import DrumAngles
@@ -24,7 +24,7 @@ from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import SeenOutline, Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.errors import NotMeasurableError, RunFailedError
 from grainfit.evaluation import Curve, Measured
 from grainfit.measurement.particles import Particles, write_vtk
@@ -95,7 +95,7 @@ class Drum(BulkTest):
     type: ClassVar[str] = "drum"
     title: ClassVar[str] = "rotating"
     vessel: ClassVar[str] = "drum_radius"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_drum, no_end_caps)
+    checks: ClassVar[Checks] = (fast_drum, no_end_caps)
     parts: ClassVar[Parts] = {"drum": ("drum",), "caps": _CAPS}
     shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {}
@@ -104,13 +104,7 @@ class Drum(BulkTest):
         Range(0.75, 1.6, power=-1),
         factors={"rotational_speed": Range(0.4, 2.5, power=0)},
         values={"fill_level": Range(0.25, 0.5)},
-        indifferent=(
-            "drum_length",
-            "discarded_turns",
-            "averaged_turns",
-            "froude_number",
-            "time_step_fraction",
-        ),
+        indifferent=("drum_length", "discarded_turns", "averaged_turns", "froude_number"),
         left=("drum_length",),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.funnel import messages
 from grainfit.bulk_tests.funnel.setup import FunnelSetup, cone_height
@@ -39,7 +39,7 @@ from grainfit.bulk_tests.shared.validity import arch, require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import SeenOutline, Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured
 from grainfit.formatting import millimetres
@@ -112,7 +112,7 @@ class Funnel(BulkTest):
         "plate": ("plate", "rim"),
     }
     shown: ClassVar[Shown] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+    checks: ClassVar[Checks] = (
         narrow_orifice(lambda test: test.setup.outlet),
         funnel_in_heap,
         small_plate,
@@ -129,13 +129,7 @@ class Funnel(BulkTest):
         values={"plate_sliding_friction": Range(0.2, 1.0)},
         wider={"plate_radius": 1.6},
         same={"plate_rolling_friction": AS_PARTICLES},
-        indifferent=(
-            "funnel_radius",
-            "plate_radius",
-            "settling_time_limit",
-            "views",
-            "time_step_fraction",
-        ),
+        indifferent=("funnel_radius", "plate_radius", "views"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = heap_responses(
         {
@@ -382,14 +376,9 @@ class Funnel(BulkTest):
         found = arch(held, "outlet") or "the material rests on the wall of the funnel"
         raise RunFailedError(messages.STILL_IN_FUNNEL(arch=found, percent=100 * rest))
 
-    @property
-    def number_of_particles(self) -> int:
-        """Number of particles rained in."""
-        return self.setup.filling.particle_count
-
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
-        return 1.25 * self.setup.filling.fill_time + self.setup.pour_time
+        return self.setup.filling.usual_time + self.setup.pour_time
 
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""

@@ -9,15 +9,21 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.heap import messages
-from grainfit.bulk_tests.heap.setup import HeapSetup
+from grainfit.bulk_tests.heap.setup import USUAL_RADIUS, HeapSetup
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
-from grainfit.bulk_tests.shared.options import LENGTH, settling_option
+from grainfit.bulk_tests.shared.options import (
+    LENGTH,
+    cylinder_option,
+    density_bottom_option,
+    density_top_option,
+    settling_option,
+)
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_part
 from grainfit.bulk_tests.shared.plate import (
     ON_PLATE,
@@ -38,7 +44,7 @@ from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import SeenOutline, Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.errors import NotMeasurableError
 from grainfit.evaluation import Measured
 from grainfit.measurement.bulk_density import bulk_density
@@ -59,8 +65,7 @@ DECK_REVISION = "e11f78288590e984"
 _SETTLED, _HEAP, _PICTURE = "settled", "heap", "heap.png"
 #: Largest share of the particles that may hang on the lifted cylinder.
 _LARGEST_CLINGING = 0.05
-#: The bed is at rest soon after the shortest fill stage; the lift ends before its longest travel.
-_FILL_SHARE = 1.25
+#: The lift ends before its longest travel.
 _LIFT_SHARE = 0.9
 #: Options that a definition of version 0.1.0 has beside geometry and procedure.
 _OUTSIDE_SETUP = (
@@ -117,7 +122,7 @@ class Heap(BulkTest):
     """
 
     type: ClassVar[str] = "heap"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+    checks: ClassVar[Checks] = (
         surplus_particles,
         small_plate,
         smooth_plate,
@@ -147,9 +152,7 @@ class Heap(BulkTest):
             "bulk_density_bottom",
             "bulk_density_top",
             "lift_height",
-            "settling_time_limit",
             "views",
-            "time_step_fraction",
         ),
         left=("bulk_density_top",),
     )
@@ -174,12 +177,7 @@ class Heap(BulkTest):
         example="1500",
         default=Derived("as many as fill the cylinder", lambda s: s.usual_count),
     )
-    cylinder_radius: Amount | None = option(
-        LENGTH,
-        "Inner radius of the cylinder.",
-        example='"60 mm"',
-        default=Derived("6 d", lambda s: s.usual_radius),
-    )
+    cylinder_radius: Amount | None = cylinder_option("cylinder", USUAL_RADIUS)
     plate_radius: Amount | None = option(
         LENGTH,
         "Radius of plate or disc, whose edge is free unless it has a rim.",
@@ -194,19 +192,9 @@ class Heap(BulkTest):
         example='"105 mm"',
         default=Derived("10.5 d", lambda s: 10.5 * s.d),
     )
-    bulk_density_bottom: Amount | None = option(
-        LENGTH,
-        "The bulk density is measured from this height on.",
-        example='"10 mm"',
-        default=Derived("1 d", lambda s: s.d),
-    )
-    bulk_density_top: Amount | None = option(
-        LENGTH,
-        "The bulk density is measured up to this height.",
-        example='"90 mm"',
-        default=Derived(
-            "9 d, in lower beds 6/7 of the strike-off height", lambda s: s.usual_density_top
-        ),
+    bulk_density_bottom: Amount | None = density_bottom_option()
+    bulk_density_top: Amount | None = density_top_option(
+        "9 d, in lower beds 6/7 of the strike-off height", lambda s: s.usual_density_top
     )
     lift_speed: Amount | None = option(
         Quantity("m/s", above_zero=True),
@@ -365,18 +353,10 @@ class Heap(BulkTest):
             heap.require_covered()
         return {"bulk_density": density, **found}
 
-    @property
-    def number_of_particles(self) -> int:
-        """Number of particles rained in."""
-        return self.setup.particle_count
-
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
         setup = self.setup
-        return (
-            _FILL_SHARE * setup.filling.fill_time
-            + _LIFT_SHARE * setup.lift_height / setup.lift_speed
-        )
+        return setup.filling.usual_time + _LIFT_SHARE * setup.lift_height / setup.lift_speed
 
     def view(self, run: RunOutput) -> HeapView:
         """Read the heap of a run, to be drawn."""

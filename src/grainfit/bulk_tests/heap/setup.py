@@ -24,7 +24,7 @@ from grainfit.scenes.packing import Round, column_height
 _REFERENCE_DIAMETER = 0.010
 _REFERENCE_GRAVITY = 9.81
 #: Default radius of the cylinder, in diameters.
-_RADIUS = 6
+USUAL_RADIUS = 6
 
 
 class HeapSetup(Setup):
@@ -35,12 +35,7 @@ class HeapSetup(Setup):
         """Diameter that the defaults follow, m: larger where mixtures need a wider cylinder."""
         if self.is_given("cylinder_radius"):
             return super().d
-        return max(super().d, least_radius(self.real) / _RADIUS)
-
-    @property
-    def usual_radius(self) -> float:
-        """Default of the radius of the cylinder, m."""
-        return max(_RADIUS * self.d, least_radius(self.real))
+        return max(super().d, least_radius(self.real) / USUAL_RADIUS)
 
     @property
     def is_disc(self) -> bool:

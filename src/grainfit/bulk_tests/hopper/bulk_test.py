@@ -75,7 +75,6 @@ class Hopper(Discharge):
         Range(0.8, 1.2, power=-1),
         factors={"orifice_diameter": Range(0.85, 1.4), "fill_height": Range(0.7, 1.3)},
         values={"half_angle": Range(10.0, 80.0)},
-        indifferent=("settling_time_limit", "time_step_fraction"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": replace(

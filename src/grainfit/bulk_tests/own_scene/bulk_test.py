@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn, Self
 
-from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest, read_sizes
+from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest, Checks, read_sizes
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.checks import forces_after_fill, particles_not_held
@@ -19,7 +19,7 @@ from grainfit.bulk_tests.own_scene.trial import require_return
 from grainfit.bulk_tests.own_scene.user_function import call, name_of
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.contact_models.registry import with_defaults
 from grainfit.errors import Fault, InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Measured, scalars
@@ -157,7 +157,7 @@ class OwnScene(BulkTest):
     """
 
     type: ClassVar[str] = "scene"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (
+    checks: ClassVar[Checks] = (
         coarse_grained_scene,
         particles_not_held,
         forces_after_fill,

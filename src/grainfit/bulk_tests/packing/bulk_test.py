@@ -5,29 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from grainfit.bulk_tests.base import BulkTest, Parts
-from grainfit.bulk_tests.checks import CheckedTest
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.setup import Setup
-from grainfit.bulk_tests.shared import messages
-from grainfit.bulk_tests.shared.filling import (
-    Filling,
-    count_faults,
-    cylinder_faults,
-    least_radius,
-    plan_filling,
-)
+from grainfit.bulk_tests.shared import messages, options
+from grainfit.bulk_tests.shared.filling import Filling, count_faults, cylinder_faults, plan_filling
 from grainfit.bulk_tests.shared.narrow_cylinder import narrow_cylinder
-from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH, settling_option
 from grainfit.bulk_tests.shared.pot_view import PotView, highest_point
 from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check
 from grainfit.errors import Fault, NotMeasurableError
 from grainfit.evaluation import Measured, Response
 from grainfit.measurement.bulk_density import bulk_density
@@ -41,13 +32,10 @@ from grainfit.scenes.shapes import Cylinder, Disc
 #: Snapshot of the poured bed.
 BED = "bed"
 _PICTURE = "packing.png"
-#: The bed is at rest soon after the shortest fill stage.
-_FILL_SHARE = 1.25
 #: Height that every settled bed reaches, over the height that it was planned with at a solid
 #: fraction of 0.58. The densest beds, of smooth or soft particles and of mixtures, have 0.65 to
 #: 0.67: they reach 0.86 to 0.89 of it.
 _REACHED = 0.85
-_SLACK = 1e-9
 
 
 class PackingSetup(Setup):
@@ -86,7 +74,7 @@ class PackingSetup(Setup):
                 bottom=bottom,
                 top=top,
             )
-        if top > (1 + _SLACK) * _REACHED * height:
+        if top > (1 + 1e-9) * _REACHED * height:
             yield messages.ABOVE_SETTLED_BED.fault(
                 "bulk_density_top", top=top, height=height, highest=_REACHED * height
             )
@@ -106,51 +94,33 @@ class Packing(BulkTest):
     """
 
     type: ClassVar[str] = "packing"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (narrow_cylinder,)
+    checks: ClassVar[Checks] = (narrow_cylinder,)
     title: ClassVar[str] = "poured container"
     vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {"container": ("container",), "floor": ("floor",)}
     shown: ClassVar[Shown] = Shown("bed", "bulk_density", snapshot_file(BED), _PICTURE)
+    #: Snapshot of the bed that is shown.
+    bed_shown: ClassVar[str] = BED
     size_powers: ClassVar[Mapping[str, float | None]] = {}
     varied: ClassVar[VariedOptions] = VariedOptions(
         "cylinder_radius",
         Range(0.7, 1.3, power=-1),
         factors={"fill_height": Range(0.6, 1.4)},
-        indifferent=(
-            "bulk_density_bottom",
-            "bulk_density_top",
-            "settling_time_limit",
-            "time_step_fraction",
-        ),
+        indifferent=("bulk_density_bottom", "bulk_density_top"),
         left=("bulk_density_top",),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 
-    cylinder_radius: Amount | None = option(
-        LENGTH,
-        "Inner radius of the container.",
-        example='"60 mm"',
-        default=Derived("6 d", lambda s: max(6 * s.d, least_radius(s.real))),
-    )
+    cylinder_radius: Amount | None = options.cylinder_option("container", 6)
     fill_height: Amount | None = option(
-        LENGTH,
-        FILL_HEIGHT,
+        options.LENGTH,
+        options.FILL_HEIGHT,
         example='"120 mm"',
         default=Derived("12 d", lambda s: max(12 * s.d, s.bulk_density_top / _REACHED)),
     )
-    bulk_density_bottom: Amount | None = option(
-        LENGTH,
-        "The bulk density is measured from this height on.",
-        example='"10 mm"',
-        default=Derived("1 d", lambda s: s.d),
-    )
-    bulk_density_top: Amount | None = option(
-        LENGTH,
-        "The bulk density is measured up to this height.",
-        example='"90 mm"',
-        default=Derived("9 d", lambda s: s.usual_top),
-    )
-    settling_time_limit: Amount | None = settling_option()
+    bulk_density_bottom: Amount | None = options.density_bottom_option()
+    bulk_density_top: Amount | None = options.density_top_option("9 d", lambda s: s.usual_top)
+    settling_time_limit: Amount | None = options.settling_option()
 
     setup = cached_property(PackingSetup)
 
@@ -209,19 +179,9 @@ class Packing(BulkTest):
         low, high = self.setup.bulk_density_bottom, self.setup.bulk_density_top
         return bulk_density(bed, self.setup.cylinder_radius, low, high)
 
-    @property
-    def bed_shown(self) -> str:
-        """Snapshot of the bed that is shown."""
-        return BED
-
-    @property
-    def number_of_particles(self) -> int:
-        """Number of particles rained in."""
-        return self.setup.filling.particle_count
-
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
-        return _FILL_SHARE * self.setup.filling.fill_time
+        return self.setup.filling.usual_time
 
     def view(self, run: RunOutput) -> PotView:
         """Read the bed of a run, to be drawn."""

@@ -35,6 +35,8 @@ _NARROWEST_CYLINDER = 4.0
 #: rest, over the time in which a particle falls from the top of the column.
 _SHORTEST_FILL = 1.7
 _PATIENCE = 10.0
+#: Usual time of the fill stage over the shortest one.
+_USUAL_SHARE = 1.25
 #: Quiet speed over sqrt(g d), and time between two looks over sqrt(d/g). The kinetic energy is that
 #: of one particle in a thousand that falls a fifth of its diameter.
 _QUIET_SPEED = 0.02
@@ -74,6 +76,11 @@ class Filling(OneLine):
     def fill_time(self) -> float:
         """Shortest time of the fill stage: the particles have fallen by then."""
         return _SHORTEST_FILL * self._fall_time
+
+    @property
+    def usual_time(self) -> float:
+        """Estimate of the time of the fill stage: the bed is at rest soon after the shortest."""
+        return _USUAL_SHARE * self.fill_time
 
     @property
     def settling_time_limit(self) -> float:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from grainfit.bulk_tests.base import GRAVITY, LOWEST_GRAVITY
+from grainfit.bulk_tests.shared.filling import least_radius
 from grainfit.options.fields import Derived, option
 from grainfit.options.kinds import Quantity
 
@@ -28,6 +30,36 @@ def settling_option(what: str = "the bed") -> Any:
         f"Longest simulated time in which {what} may come to rest.",
         example='"2 s"',
         default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
+    )
+
+
+def cylinder_option(what: str, diameters: int) -> Any:
+    """Return the option of the radius of a cylinder; the default holds the largest particles."""
+    return option(
+        LENGTH,
+        f"Inner radius of the {what}.",
+        example=f'"{10 * diameters} mm"',
+        default=Derived(f"{diameters} d", lambda s: max(diameters * s.d, least_radius(s.real))),
+    )
+
+
+def density_bottom_option() -> Any:
+    """Return the option of the height from which on a bulk density is measured."""
+    return option(
+        LENGTH,
+        "The bulk density is measured from this height on.",
+        example='"10 mm"',
+        default=Derived("1 d", lambda s: s.d),
+    )
+
+
+def density_top_option(text: str, default: Callable[[Any], float]) -> Any:
+    """Return the option of the height up to which a bulk density is measured."""
+    return option(
+        LENGTH,
+        "The bulk density is measured up to this height.",
+        example='"90 mm"',
+        default=Derived(text, default),
     )
 
 

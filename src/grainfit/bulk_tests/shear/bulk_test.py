@@ -76,7 +76,7 @@ class Shear(PlaneShear):
         Range(0.85, 1.6, power=-1),
         values={"inertial_number": Range(0.005, 0.05, power=0)},
         loads={"normal_stress": Range(1.0, 200.0, power=0)},
-        indifferent=("transient_strain", "averaged_strain", "time_step_fraction"),
+        indifferent=("transient_strain", "averaged_strain"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         _ANGLE: ResponseInfo(

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.shared.options import LENGTH, STRESS, laboratory_gravity_option
@@ -19,7 +19,7 @@ from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.setup import ShearSetup
 from grainfit.bulk_tests.size import scaled
 from grainfit.bulk_tests.stiffness import IN_SHEAR, OverlapLaw
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.errors import Fault
 from grainfit.options.fields import Amount, Derived, option
 from grainfit.options.kinds import Quantity
@@ -62,7 +62,7 @@ class PlaneShear(BulkTest):
     """
 
     vessel: ClassVar[str] = "gap"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_shear,)
+    checks: ClassVar[Checks] = (fast_shear,)
     #: Both plates are glued particles.
     parts: ClassVar[Parts] = {}
     overlap_law: ClassVar[OverlapLaw] = IN_SHEAR

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
+from grainfit.bulk_tests.base import Checks
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.options import LENGTH, STRESS
@@ -35,7 +36,7 @@ from grainfit.bulk_tests.shear_cell.failure import WINDOW, Failure, frictions_wi
 from grainfit.bulk_tests.shear_cell.setup import ShearCellSetup
 from grainfit.bulk_tests.shear_cell.view import ShearCellView, draw_shear_cell
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.contact_models.registry import COHESION
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Curve, Measured
@@ -93,7 +94,7 @@ class ShearCell(PlaneShear):
 
     type: ClassVar[str] = "shear_cell"
     title: ClassVar[str] = "preshear, then shear to failure"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (*PlaneShear.checks, no_cohesion)
+    checks: ClassVar[Checks] = (*PlaneShear.checks, no_cohesion)
     deck_title: ClassVar[str] = "Shear cell: preshear and shear to failure"
     shown: ClassVar[Shown] = Shown("bed", _SHOWN, snapshot_file(_LAST), _PICTURE)
     enter_instead: ClassVar[Mapping[str, str]] = {

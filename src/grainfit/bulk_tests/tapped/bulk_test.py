@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from grainfit.bulk_tests.abilities import CurveRange
+from grainfit.bulk_tests.base import Checks
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.packing.bulk_test import BED, Packing, PackingSetup
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
@@ -18,7 +19,7 @@ from grainfit.bulk_tests.shared.responses import BULK_DENSITY
 from grainfit.bulk_tests.tapped import messages
 from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Measured, Response
 from grainfit.measurement.particles import write_vtk
@@ -107,9 +108,10 @@ class Tapped(Packing):
     """
 
     type: ClassVar[str] = "tapped"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (narrow_cylinder, few_taps)
+    checks: ClassVar[Checks] = (narrow_cylinder, few_taps)
     title: ClassVar[str] = "tapped container"
     shown: ClassVar[Shown] = Shown("bed", "tapped_density", snapshot_file(_TAPPED), _PICTURE)
+    bed_shown: ClassVar[str] = _TAPPED
     varied: ClassVar[VariedOptions] = replace(
         Packing.varied,
         factors={**Packing.varied.factors, "drop_height": Range(0.3, 2.0, power=0)},
@@ -233,11 +235,6 @@ class Tapped(Packing):
             "hausner_ratio": Response(ratio, error),
             "compaction": Curve([float(tap) for tap in range(len(values))], values),
         }
-
-    @property
-    def bed_shown(self) -> str:
-        """Snapshot of the bed that is shown: that after the last tap."""
-        return _TAPPED
 
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from grainfit.bulk_tests.abilities import CurveRange
-from grainfit.bulk_tests.base import BulkTest, Parts
+from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
@@ -25,7 +25,7 @@ from grainfit.bulk_tests.triaxial.curve import COLUMNS, COMPRESS, SHEAR, Compres
 from grainfit.bulk_tests.triaxial.setup import SIDES, TriaxialSetup
 from grainfit.bulk_tests.triaxial.view import TriaxialView
 from grainfit.bulk_tests.view import Shown
-from grainfit.checks import Check, Found, check
+from grainfit.checks import Found, check
 from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Curve, Measured, Response
 from grainfit.measurement.particles import write_vtk
@@ -105,7 +105,7 @@ class Triaxial(BulkTest):
     type: ClassVar[str] = "triaxial"
     title: ClassVar[str] = "drained compression in a box"
     vessel: ClassVar[str] = "width"
-    checks: ClassVar[tuple[Check[CheckedTest[Any]], ...]] = (fast_compression, short_compression)
+    checks: ClassVar[Checks] = (fast_compression, short_compression)
     parts: ClassVar[Parts] = {"box": tuple(wall for pair in SIDES.values() for wall in pair)}
     overlap_law: ClassVar[OverlapLaw] = UNDER_A_STRESS
     shown: ClassVar[Shown] = Shown("bed", _CRITICAL, snapshot_file(_SHEARED), _PICTURE)
