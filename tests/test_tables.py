@@ -10,6 +10,7 @@ import pytest
 import grainfit as gf
 from grainfit.formatting import plain_ends, plain_interval
 from grainfit.tables import TextTable, as_html, as_text
+from grainfit.verdict import messages
 
 PROBLEM = gf.Problem(
     [gf.Parameter("friction", 0.1, 0.9), gf.Parameter("<i>stiffness</i>", 1e5, 1e7, "log", "Pa")],
@@ -64,7 +65,7 @@ def test_a_result_prints_as_a_short_table(saved: gf.OpenedCalibration) -> None:
     assert "30 ± 0.5 deg" in angle
     assert plain_interval(expected, half) in angle
     assert angle.endswith("met")
-    assert "Probability that every target is met, by all runs: more than 99 %." in lines
+    assert messages.ALL_MET(probability="more than 99 %") in lines
     assert lines[-1] == f"DEM runs: {result.runs}."
     assert lines[-1].startswith(f"DEM runs: {result.runs.total} = ")
     assert len(lines) < 15

@@ -14,6 +14,9 @@ from typing import Any
 
 from grainfit.errors import Fault
 
+#: Regular expressions of what fills in a field, and of white space.
+_ANYTHING, _SPACE = r"(?s:.*?)", r"\s+"
+
 
 @dataclass(frozen=True)
 class Message:
@@ -35,6 +38,8 @@ class Message:
     'radius: is 5 mm. Give 3 mm at most.'
     >>> TOO_LARGE.is_in("radius: is 5 mm. Give\n    3 mm at most.")
     True
+    >>> TOO_LARGE.is_in("radius: is 5 mm. Give 3 mm at most.", limit=4)
+    False
     """
 
     text: str
@@ -54,21 +59,45 @@ class Message:
     @property
     def fields(self) -> frozenset[str]:
         """Names of all fields."""
-        parts = Formatter().parse(f"{self.text} {self.remedy}")
-        return frozenset(re.split(r"[.\[]", name)[0] for _, name, _, _ in parts if name)
+        return _fields(f"{self.text} {self.remedy}")
 
     @property
     def pattern(self) -> str:
         """Regular expression that finds the text without its remedy, whatever fills it in."""
-        parts = Formatter().parse(self.text)
-        found = (_spaced(text) + ("" if name is None else "(?s:.*?)") for text, name, _, _ in parts)
-        return "".join(found)
+        return self.matching()
 
-    def is_in(self, output: str) -> bool:
-        """Return whether a text has this message, be its lines broken or not."""
-        return re.search(self.pattern, output) is not None
+    def matching(self, **values: Any) -> str:
+        """Return a regular expression of the text with these values, whatever fills in the rest.
+
+        The remedy is looked for as well where a value fills in the remedy alone.
+        """
+        assert values.keys() <= self.fields, values.keys() - self.fields
+        is_of_text = values.keys() <= _fields(self.text)
+        template = self.text if is_of_text else f"{self.text} {self.remedy}"
+        found = ""
+        for text, name, form, conversion in Formatter().parse(template):
+            found += _spaced(text)
+            if name is not None and _root(name) in values:
+                field = f"{name}!{conversion}" if conversion else name
+                found += _spaced(f"{{{field}:{form}}}".format(**values))
+            elif name is not None:
+                found += _ANYTHING
+        # A field at the end may be empty, and the space before it is gone then.
+        return found.removesuffix(_ANYTHING).removesuffix(_SPACE)
+
+    def is_in(self, output: str, **values: Any) -> bool:
+        """Return whether a text has this message with these values, be its lines broken or not."""
+        return re.search(self.matching(**values), output) is not None
+
+
+def _fields(template: str) -> frozenset[str]:
+    return frozenset(_root(name) for _, name, _, _ in Formatter().parse(template) if name)
+
+
+def _root(name: str) -> str:
+    return re.split(r"[.\[]", name)[0]
 
 
 def _spaced(literal: str) -> str:
     """Return a regular expression of a text that any white space may break."""
-    return re.sub(r"(?:\\?\s)+", r"\\s+", re.escape(literal))
+    return re.sub(r"(?:\\?\s)+", lambda _: _SPACE, re.escape(literal))

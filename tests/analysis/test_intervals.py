@@ -13,6 +13,7 @@ import pytest
 import grainfit as gf
 from grainfit.analysis.intervals import parameter_intervals
 from grainfit.analysis.posterior import Posterior
+from grainfit.calibration import messages
 from grainfit.cards import render
 from grainfit.formatting import ends, plain_ends
 from grainfit.materials.time_step import RayleighTimeStep
@@ -206,7 +207,7 @@ def test_a_second_ctrl_c_costs_the_intervals_and_not_the_result(
     result = gf.calibrate(RIDGE, ridge, workdir=tmp_path)
     assert result.status == "calibrated"
     assert result.intervals == {}
-    assert any("were not calculated: interrupted." in notice for notice in result.notices)
+    assert any(messages.NO_INTERVALS.is_in(notice, why="interrupted") for notice in result.notices)
     assert Result.from_json(tmp_path / "result.json") == result
 
 

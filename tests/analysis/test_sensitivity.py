@@ -7,6 +7,7 @@ import pytest
 from given_metamodels import Function, Given, given, unit_parameters
 from scipy.stats import qmc
 
+from grainfit.analysis import messages
 from grainfit.analysis.response_surfaces import draw_surfaces
 from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
 from grainfit.errors import InputError
@@ -86,7 +87,9 @@ def test_one_parameter_alone_is_answerable_for_everything() -> None:
 
 
 def test_a_number_of_points_that_is_no_power_of_two_is_refused() -> None:
-    with pytest.raises(InputError, match=r"points: is 1000\. Give a power of two"):
+    with pytest.raises(
+        InputError, match=f"points: {messages.NO_POWER_OF_TWO.matching(given=1000)}"
+    ):
         estimate_sensitivity(given([Target("y", 10.0)], [Given(linear)], 3), points=1000)
 
 

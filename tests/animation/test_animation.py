@@ -189,7 +189,7 @@ def test_ctrl_c_leaves_the_run_that_is_simulated_again(tmp_path: Path, ctrl_c: N
         process.send_signal(signal.SIGINT)
         _, words = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "Finished runs are kept" in words
+    assert cli_messages.STOPPED.is_in(words)
     assert {path.name: path.read_bytes() for path in folder.glob("*.*")} == kept
     simulate(file, "--animate")
     assert (folder / "animation.html").exists()
@@ -199,7 +199,7 @@ def test_models_of_the_user_and_many_runs_are_refused(tmp_path: Path) -> None:
     file = calibration(tmp_path, MODEL)
     with pytest.raises(InputError, match=messages.NO_SCENE.pattern):
         raise_again(file, "--animate")
-    with pytest.raises(InputError, match=r"--animate shows one run.*--seed"):
+    with pytest.raises(InputError, match=cli_messages.ANIMATION_OF_ONE_RUN.pattern):
         raise_again(calibration(tmp_path, HEAP), "--animate", "--repeat", "2")
     with pytest.raises(InputError, match=cli_messages.FRAMES_WITHOUT_ANIMATION.pattern):
         raise_again(file, "--frames", "20")

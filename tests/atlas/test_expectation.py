@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+from grainfit.atlas import messages
 from grainfit.atlas.expectation import Expectation
 from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
@@ -55,7 +56,7 @@ def test_a_part_that_no_row_varies_is_not_told_but_for_derivatives() -> None:
     hopper = gf.solvers.Lammps(
         gf.tests.Hopper(diameter="10 mm"), {**BEADS, **STEEL}, walls={"container": "steel"}
     )
-    with pytest.raises(NotInAtlasError, match="one material of all walls"):
+    with pytest.raises(NotInAtlasError, match=messages.WALLS.pattern):
         Reading(hopper, {})
     assert Expectation(hopper, {}).responses({DENSITY: np.array([2000.0, 2500.0])}, ["mass_flow"])
 

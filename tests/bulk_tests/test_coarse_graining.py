@@ -17,6 +17,7 @@ from grainfit.bulk_tests.draw_down import DrawDown
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.bulk_tests.shared import messages
 from grainfit.contact_models.registry import simulated_material
 from grainfit.errors import InputError
 from grainfit.materials.particle_shape import ParticleShape
@@ -175,7 +176,7 @@ def test_factor_is_named_where_real_particles_would_be_too_many():
     # The cylinder holds millions of grains of 0.2 mm.
     room = {"cylinder_radius": 0.1, "fill_height": 0.3, "bulk_density_top": 0.2}
     grains = ParticleSizes((0.0002,))
-    with pytest.raises(InputError, match="are more than"):
+    with pytest.raises(InputError, match=messages.TOO_MANY_PARTICLES.pattern):
         Packing(grains, **room)
 
     with pytest.raises(InputError, match=r"coarse_graining = 250 at most"):

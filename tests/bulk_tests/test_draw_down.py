@@ -10,8 +10,10 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.draw_down import DrawDown
+from grainfit.bulk_tests.draw_down import messages as of_draw_down
 from grainfit.bulk_tests.draw_down.surfaces import Surfaces
 from grainfit.bulk_tests.draw_down.view import DrawDownView
+from grainfit.bulk_tests.shared import messages
 from grainfit.bulk_tests.shared.validity import (
     require_apex_below,
     require_emptied,
@@ -81,7 +83,7 @@ def test_every_impossible_length_is_named_at_once() -> None:
 
 def test_heap_that_reaches_the_shelf_chokes_the_slot() -> None:
     require_apex_below(0.115, 0.140, 0.020, 0.010)
-    with pytest.raises(RunFailedError, match=r"chokes the slot: its apex is 1.5 .* floor_distance"):
+    with pytest.raises(RunFailedError, match=messages.CHOKED.matching(found=1.5)):
         require_apex_below(0.125, 0.140, 0.020, 0.010)
 
 
@@ -97,7 +99,7 @@ def test_foot_beyond_the_floor_fails() -> None:
     wide = HeightMap(np.maximum(0.08 - 0.25 * np.abs(x), 0)[None], x, 0.1)
 
     require_foot_on_floor(whole, 0.01, 0.010)
-    with pytest.raises(RunFailedError, match=r"not on the floor: 5.0 %"):
+    with pytest.raises(RunFailedError, match=messages.FOOT_OFF_FLOOR.matching(percent=5.0)):
         require_foot_on_floor(whole, 0.05, 0.010)
     with pytest.raises(RunFailedError, match="larger floor_half_width, or"):
         require_foot_on_floor(wide, 0.0, 0.010)
@@ -107,7 +109,7 @@ def test_end_on_one_side_only_is_not_measurable() -> None:
     setup = DrawDown(diameter="10 mm").setup
     with pytest.raises(NotMeasurableError, match="no particles are left"):
         Surfaces.of(balls(), setup)
-    with pytest.raises(NotMeasurableError, match="on one side of the slot"):
+    with pytest.raises(NotMeasurableError, match=of_draw_down.ONE_SIDE.pattern):
         _ = Surfaces.of(balls((0.1, 0.05, 0.005)), setup).apex
 
 
@@ -130,7 +132,7 @@ def test_view_has_the_edges_of_box_and_floor() -> None:
 def test_heap_on_a_floor_9_d_below_chokes_the_slot(tmp_path: Path) -> None:
     test = DrawDown(diameter="10 mm", depth="4 cm", floor_distance="9 cm")
 
-    with pytest.raises(RunFailedError, match="chokes the slot"):
+    with pytest.raises(RunFailedError, match=messages.CHOKED.pattern):
         Lammps(test, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300.0))
     assert (tmp_path / "draw_down.png").stat().st_size > 10_000
     assert (tmp_path / "draw_down.vtk").is_file()

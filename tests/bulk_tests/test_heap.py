@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.shared import messages as of_shared
 from grainfit.bulk_tests.workload import workload
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.scenes import messages
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.run_output import STAGES, STAGES_HEADER, RunOutput, snapshot_file
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -270,7 +272,9 @@ class TestMeasure:
     def test_a_run_that_stops_half_way_is_said_with_the_end_of_its_log(self, tmp_path):
         self.write_stages(tmp_path, ENDED_WELL[0])
         (tmp_path / "log.liggghts").write_text("the last words of the program\n")
-        with pytest.raises(RunFailedError, match=r"ended early \(stages done: fill\)") as caught:
+        with pytest.raises(
+            RunFailedError, match=messages.ENDED_EARLY.matching(stages="fill")
+        ) as caught:
             self.measure(tmp_path)
         assert "last words" in caught.value.log_tail
 
@@ -319,7 +323,7 @@ class TestMeasure:
     def test_particles_squeezed_into_each_other_are_no_bed(self, tmp_path):
         bed = self.cubic_bed(0.0085)
         self.write_run(tmp_path, bed, bed)
-        with pytest.raises(RunFailedError, match=r"overlap grossly, by 15 %"):
+        with pytest.raises(RunFailedError, match=of_shared.OVERLAP.matching(percent=15)):
             self.measure(tmp_path)
 
     def test_a_folder_without_dumps_is_not_measurable(self, tmp_path):

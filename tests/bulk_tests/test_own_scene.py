@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from grainfit.bulk_tests import messages as of_bulk_tests
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import OwnScene, user_function
+from grainfit.bulk_tests.own_scene import messages as of_own_scene
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.bulk_tests.workload import workload
 from grainfit.calibration_file.build import load_calibration
@@ -27,6 +29,7 @@ from grainfit.evaluation import Proposal
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.run_definition import RunDefinition
+from grainfit.scenes import messages as of_scenes
 from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem import messages as dem_messages
@@ -152,7 +155,7 @@ def test_a_record_has_all_but_the_functions(beads: Path) -> None:
     for key in recorded:
         if key not in ("type", "revision", "scenes"):
             damaged = {name: value for name, value in recorded.items() if name != key}
-            with pytest.raises(InputError, match="does not define"):
+            with pytest.raises(InputError, match=of_bulk_tests.DAMAGED_DEFINITION.pattern):
                 recreate_test(RunDefinition({"test": damaged}, {}, 1))
 
 
@@ -259,11 +262,11 @@ def test_a_fault_of_the_measurement_has_its_line_and_a_restless_run_is_none(
     stages = tmp_path / "run" / "stages.csv"
     good = stages.read_text()
     stages.write_text(good.replace("at_rest", "restless"))
-    with pytest.raises(RunFailedError, match="did not come to rest in the settle stage"):
+    with pytest.raises(RunFailedError, match=of_scenes.RESTLESS.matching(stage="settle")):
         test.measure(RunOutput(tmp_path / "run"))
     stages.write_text(good)
     (tmp_path / "run" / "snapshots" / "end.dump").unlink()
-    with pytest.raises(RunFailedError, match=r"ended early \(stages done: settle\)"):
+    with pytest.raises(RunFailedError, match=of_scenes.ENDED_EARLY.matching(stages="settle")):
         test.measure(RunOutput(tmp_path / "run"))
 
 
@@ -304,7 +307,7 @@ def test_a_file_is_checked_and_simulated_and_a_known_run_is_not_repeated(
     assert measured["height"].value == once.responses["height"].value
     copy = folders["scene"] / "functions" / "beads.py"
     copy.write_text("def measure(run): return {'height': 1.0}")
-    with pytest.raises(NotMeasurableError, match="was changed after the run"):
+    with pytest.raises(NotMeasurableError, match=of_own_scene.FUNCTION_CHANGED.pattern):
         measure_path(folders["scene"])
 
 
@@ -365,7 +368,7 @@ def test_enlarged_particles_are_noted_with_what_keeps_the_apparatus(beads: Path)
 
     [found] = findings(OwnScene(real.coarse_grained(2), **functions))
 
-    assert "beads.py keeps the size of the apparatus if it takes lengths from" in found.text
+    assert of_own_scene.MAY_BE_ENLARGED.is_in(found.text, file="beads.py")
     assert not findings(OwnScene(real, **functions))
 
 

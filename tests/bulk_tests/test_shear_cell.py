@@ -114,7 +114,7 @@ def test_the_error_of_a_peak_is_the_scatter_of_the_cycles_at_all_stresses():
 
 
 def test_a_record_that_is_too_short_is_refused():
-    with pytest.raises(NotMeasurableError, match="too few records"):
+    with pytest.raises(NotMeasurableError, match=messages.FEW_RECORDS.pattern):
         Failure.of([_record(np.ones(10))] * 2, 0.08)
 
 

@@ -16,10 +16,12 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+from grainfit.calibration import messages as of_calibration
 from grainfit.calibration.messages import ALL_FAILED
 from grainfit.result import RunSummary
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies import messages
+from grainfit.verdict import messages as of_verdict
 
 #: Seeds of the runs that were made: a function that held them itself would be another model.
 CALLS: list[int] = []
@@ -212,7 +214,10 @@ def test_a_target_out_of_reach_is_said_and_costs_no_verification() -> None:
     result = gf.calibrate(problem(first=60.0), drum)
     assert result.status == "unreachable"
     assert result.out_of_reach[0].target == "angle_10rpm"
-    assert any("angle_10rpm = 60 is out of reach" in notice for notice in result.notices)
+    assert any(
+        of_verdict.OUT_OF_REACH.is_in(notice, target="angle_10rpm", value=60)
+        for notice in result.notices
+    )
     assert result.responses["angle_10rpm"].verdict == "missed"
     assert result.runs.verification == 0
 
@@ -521,7 +526,10 @@ def test_an_interval_that_cuts_off_what_agrees_is_named(
     assert bool(notices) == is_cut_off
     assert all(notice.startswith("friction ") for notice in notices)
     # That nothing depends on it is no reason for a wider interval.
-    assert not any("restitution agrees up to" in notice for notice in result.notices)
+    assert not any(
+        of_calibration.AGREES_UP_TO_BOUND.is_in(notice, parameter="restitution")
+        for notice in result.notices
+    )
 
 
 def test_a_rayleigh_weight_works_at_the_bounds_of_a_wide_interval() -> None:

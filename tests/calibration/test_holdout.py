@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 import grainfit as gf
 from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
 from grainfit.calibration.registrations import HOLDOUTS_NAME, hash_of_targets
+from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.report.section import ReportContext
@@ -350,7 +351,7 @@ def test_faults_of_a_hold_out_name_its_line(tmp_path: Path) -> None:
     same = HELD.replace('"drum"', '"heap"').replace("FLOW", "10")
     assert "line 11, holdout[0].name" in fault(FILE, same)
     curve = HELD.partition("targets")[0] + 'targets.flow = { curve = "flow.csv" }\n'
-    assert "hold-outs are compared by single responses only" in fault(FILE, curve)
+    assert of_calibration_file.HOLDOUT_CURVE.is_in(fault(FILE, curve))
     wrong = HELD.replace("model.py:drum", "7").replace("FLOW", "10")
     assert "holdout[0].function" in fault(FILE, wrong)
 

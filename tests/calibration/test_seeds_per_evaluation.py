@@ -15,8 +15,10 @@ import pytest
 
 import grainfit as gf
 from grainfit.calibration.scopes import with_scopes
+from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.campaign import messages
 from grainfit.campaign.campaign import Campaign, CampaignOptions, evaluation_of
 from grainfit.campaign.repeats import mean_outcome, seeds_of
 from grainfit.campaign.reuse import runs_of
@@ -97,7 +99,7 @@ def test_a_curve_that_stays_counts_beyond_its_end() -> None:
 def test_curves_without_common_coordinates_fail_the_evaluation() -> None:
     apart = [Curve([0.0, 1.0], [0.0, 1.0]), Curve([2.0, 3.0], [0.0, 1.0])]
     outcome = mean_outcome([record(n, {"stress": one}) for n, one in enumerate(apart)])
-    assert "no coordinates in common" in outcome.reason
+    assert messages.NOTHING_IN_COMMON.is_in(outcome.reason)
 
 
 def test_runs_of_which_some_yield_a_curve_and_others_a_number_fail_the_evaluation() -> None:
@@ -107,7 +109,7 @@ def test_runs_of_which_some_yield_a_curve_and_others_a_number_fail_the_evaluatio
         RunRecord("b", "drum", "finished", run, {"angle": Curve([0.0, 1.0], [1.0, 2.0])}),
     ]
 
-    assert "is a number in some runs and a curve in others" in mean_outcome(records).reason
+    assert messages.NUMBER_AND_CURVE.is_in(mean_outcome(records).reason)
 
 
 def test_a_failed_run_leaves_the_mean_of_the_others_if_half_succeeded() -> None:
@@ -356,7 +358,7 @@ def test_repeats_in_a_file_are_planned_and_made(tmp_path: Path) -> None:
     assert setup.repeats == {"python": 2}
     lines = " ".join(describe_plan(setup).lines)
     assert "8 of them for the design" in lines
-    assert "Test python: the mean of 2 runs with different seeds is one evaluation." in lines
+    assert of_calibration_file.REPEATS.is_in(lines, test="python", count=2)
     result = setup.calibrate(tmp_path / "work")
     assert all(len(run.runs) == 2 for run in result.history)
     # The scatter of single runs is shown, from which repeats are chosen.

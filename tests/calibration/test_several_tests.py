@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -21,6 +22,7 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.kriging import Kriging
+from grainfit.solvers.own_model import messages as of_own_model
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.run_costs import RunCosts
 
@@ -350,7 +352,7 @@ def test_a_parameter_that_no_test_mentions_is_refused_by_check_and_run(tmp_path:
     path = written(tmp_path, more="fricton = { min = 0.1, max = 0.9 }")
     setup = load_calibration(path)
     [words] = describe_plan(setup).problems
-    assert "two.toml: fricton: is free, but no test depends on it" in words
+    assert re.search(rf"two\.toml: fricton: {messages.IDLE_PARAMETER.pattern}", words)
     with pytest.raises(InputError, match=rf"^fricton: {messages.IDLE_PARAMETER.pattern}"):
         setup.calibrate(tmp_path / "work")
 
@@ -368,9 +370,12 @@ def test_what_the_file_says_and_the_model_does_not_is_refused_by_check_and_run(
     setup = load_calibration(path)
     undefined, unmentioned, unused = describe_plan(setup).problems
     said = "test drop, friction: is mentioned nowhere in the model"
-    assert "test drop, command[1], line 1: bounce is no parameter that" in undefined
+    assert re.search(
+        rf"test drop, command\[1\], line 1: {of_own_model.UNDEFINED.matching(name='bounce')}",
+        undefined,
+    )
     assert said in unmentioned
-    assert "two.toml: bounce: is free, but no test depends on it" in unused
+    assert re.search(rf"two\.toml: bounce: {messages.IDLE_PARAMETER.pattern}", unused)
     with pytest.raises(InputError, match=said):
         setup.calibrate(tmp_path / "work")
 
@@ -384,6 +389,6 @@ def test_a_test_that_depends_on_nothing_free_is_refused_by_check_and_run(tmp_pat
     path = written(tmp_path)
     path.write_text(path.read_text().replace('"true", "{{ bounce }}"', '"true"'))
     setup = load_calibration(path)
-    assert "drop: depends on no free parameter" in describe_plan(setup).problems[0]
+    assert re.search(f"drop: {messages.IDLE_TEST.pattern}", describe_plan(setup).problems[0])
     with pytest.raises(InputError, match=f"drop: {messages.IDLE_TEST.pattern}"):
         setup.calibrate(tmp_path / "work")

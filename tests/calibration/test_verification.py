@@ -8,6 +8,7 @@ from grainfit.calibration.judged_answer import Demands, JudgedAnswer, judge_by_r
 from grainfit.calibration.verification import fresh_runs, mean_with_interval
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.strategies.answer import answer_from_runs
+from grainfit.verdict import messages
 from grainfit.verdict.evidence import Expected
 from grainfit.verdict.rule import contradicts
 
@@ -84,7 +85,7 @@ def test_fresh_seeds_are_compared_with_what_the_others_expect(design: list[Evalu
     assert found.fresh.expected[ANGLE.name].mean == pytest.approx(22.0, abs=0.2)
     assert found.judgement.contradicted == (ANGLE.name,)
     [reason] = [one for one in found.reasons if one.kind == "contradicted"]
-    assert "but the other runs predict 22" in str(reason)
+    assert messages.CONTRADICTED.is_in(str(reason), expected=22)
 
 
 def test_seeds_after_a_contradiction_are_compared_with_what_is_known_then(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from io import StringIO
 from pathlib import Path
@@ -11,13 +12,16 @@ import pytest
 from rich.console import Console
 
 import grainfit as gf
+from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.calibration_file.checks import messages as of_checks
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.console import print_plan
 from grainfit.errors import InputError
 from grainfit.problem import CurveTarget
 from grainfit.table_files import messages
+from grainfit.work_folder import messages as of_work_folder
 from grainfit.work_folder.analyse_runs import analyse_runs
 from grainfit.work_folder.repeat_runs import repeat_runs
 from grainfit.work_folder.stiffness_study import stiffness_study
@@ -340,7 +344,7 @@ def test_fault_of_a_curve_of_several_tables(
 def test_recorded_table_has_no_curves(fault_of: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "runs.csv").write_text("stiffness,stress\n2,3\n")
     fault = fault_of(test='[[test]]\ntype = "table"\nfile = "runs.csv"\n')
-    assert "targets.stress: is a curve, and a recorded table holds single numbers" in fault
+    assert re.search(rf"targets\.stress: {of_calibration_file.CURVE_OF_TABLE.pattern}", fault)
 
 
 def test_planned_file_has_no_curves(write: Callable[..., Path]) -> None:
@@ -517,7 +521,7 @@ def test_plan_shows_curves(setup: CalibrationSetup) -> None:
 def test_plan_counts_a_curve_as_a_target_at_least(write: Callable[..., Path]) -> None:
     head = HEAD + "other = { min = 2, max = 20 }\n"
     notes = describe_plan(load_calibration(write(head=head))).notes
-    assert "2 free parameters and 1 target, curves included" in notes[0]
+    assert of_checks.FEW_TARGETS_WITH_CURVES.is_in(notes[0], free=2, targets="1 target")
 
 
 def test_calibration_of_a_file_with_a_curve(
@@ -594,7 +598,9 @@ def test_table_of_runs_can_do_without_the_curve_of_a_test_with_numbers(
 ) -> None:
     (tmp_path / "runs.csv").write_text("stiffness,load\n3,3\n")
     file = write(test=TEST + "targets.load = { value = 3, uncertainty = 0.1 }\n")
-    with pytest.raises(InputError, match=r"or leave the curve out of the targets of test 'press'"):
+    with pytest.raises(
+        InputError, match=of_work_folder.CURVE_BESIDE_NUMBERS.matching(test="press")
+    ):
         analyse_runs(file, tmp_path / "runs.csv")
 
 
@@ -602,7 +608,7 @@ def test_stiffness_study_needs_single_numbers(tmp_path: Path) -> None:
     (tmp_path / "curve.csv").write_text(CURVE)
     path = tmp_path / "compression.toml"
     path.write_text(compression_file(TARGET.format(ERRORS)))
-    with pytest.raises(InputError, match="targets: are curves only"):
+    with pytest.raises(InputError, match=f"targets: {of_work_folder.CURVES_ONLY.pattern}"):
         stiffness_study(path, workdir=tmp_path / "work")
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import InputError
+from grainfit.options import messages
 from grainfit.options.places import FileFault
 
 FaultsOf = Callable[..., list[FileFault]]
@@ -475,7 +476,7 @@ def test_keys_of_a_test_whose_header_is_missing_belong_in_a_test(faults_of: Faul
     for key in ("type", "solver", "targets"):
         assert found.pop(f"particle_wall.{key}") == "It belongs in [[test]]."
     for key in ("plate_sliding_friction", "plate_rolling_friction"):
-        assert "Did you mean" in found.pop(f"particle_wall.{key}")
+        assert messages.MEANT.is_in(found.pop(f"particle_wall.{key}"))
     assert [*found] == ["test"]
 
 

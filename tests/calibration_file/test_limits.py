@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import threading
 import tracemalloc
 from collections.abc import Callable, Iterator
@@ -23,10 +24,11 @@ from grainfit.files import (
     read_within,
 )
 from grainfit.measurement.particles import read_dump
+from grainfit.options import messages as of_options
 from grainfit.result import Result
 from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.stl import read_stl
-from grainfit.solvers.own_model import model_folder
+from grainfit.solvers.own_model import messages, model_folder
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import ModelFolder
 from grainfit.solvers.own_model.model_input import Templates
@@ -101,7 +103,7 @@ def test_check_names_a_subfolder_that_may_not_be_entered(
     problem = problems_of(tmp_path, COMMAND % "model")
 
     closed.chmod(0o755)
-    assert "results: cannot be read: Permission denied. Leave only what a run reads" in problem
+    assert re.search(f"results: {messages.NOT_LISTED.matching(error='Permission denied')}", problem)
 
 
 def test_check_names_a_model_in_a_folder_that_may_not_be_entered(
@@ -115,15 +117,13 @@ def test_check_names_a_model_in_a_folder_that_may_not_be_entered(
     function = problems_of(tmp_path, 'type = "python"\nfunction = "private/model.py:f"')
 
     closed.chmod(0o755)
-    assert "there is no such folder" in problem
+    assert of_options.NOT_THERE.is_in(problem, kind="folder")
     assert "there is no such file" in function
 
 
 @pytest.mark.usefixtures("little_memory")
 def test_the_root_of_all_files_is_no_model(tmp_path: Path) -> None:
-    assert "folder: holds all files. Give the folder of your model." in problems_of(
-        tmp_path, COMMAND % "/"
-    )
+    assert re.search(f"folder: {messages.ALL_FILES.pattern}", problems_of(tmp_path, COMMAND % "/"))
 
 
 def test_a_model_with_too_many_folders_is_refused(
@@ -131,7 +131,7 @@ def test_a_model_with_too_many_folders_is_refused(
 ) -> None:
     monkeypatch.setattr(model_folder, "MOST_MODEL_FILES", 3)
     (tmp_path / "a/b/c/d").mkdir(parents=True)
-    with pytest.raises(InputError, match="more than 3 files and folders"):
+    with pytest.raises(InputError, match=messages.TOO_MANY_FILES.matching(most=3)):
         Command(tmp_path, ["true"]).check()
 
 
@@ -152,7 +152,9 @@ def test_a_python_file_that_is_too_large_is_refused(tmp_path: Path) -> None:
 
     problem = problems_of(tmp_path, 'type = "python"\nfunction = "model.py:f"')
 
-    assert "cannot be read: it has 1.00002 MB, and at most 1 MB are read. Move its data" in problem
+    assert of_options.TOO_LARGE_TO_READ.is_in(
+        problem, reason="it has 1.00002 MB, and at most 1 MB are read"
+    )
     assert "not valid Python" not in problem
 
 

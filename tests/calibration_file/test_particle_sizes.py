@@ -11,6 +11,7 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.workload import workload
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.materials.size_classes import MOST_CLASSES
@@ -335,7 +336,7 @@ def test_a_price_is_told_of_what_is_left(written: Callable[..., Path]) -> None:
 
     share = 100 * gf.LogNormal(median=3e-3, geometric_standard_deviation=1.6).passing(1.2e-3)
     assert f"The finest {share:.3g} % of the mass are left out." in lines
-    assert "which leaves out another 5 % of the mass" in lines
+    assert messages.WITHOUT_FINEST.is_in(lines, which="another", mass="5 %")
 
 
 def test_prices_name_real_sizes_where_particles_are_coarse_grained(
@@ -370,7 +371,7 @@ def test_a_fine_class_of_a_list_has_its_price_too(written: Callable[..., Path]) 
 
     lines, _ = plan_of(written(f"diameter = [{classes}]"))
 
-    assert "The finest class, 1 mm, has 3 % of the mass and 66.4 % of the particles" in lines
+    assert messages.FINEST_CLASS.is_in(lines, diameter="1 mm", mass="3 %", particles="66.4 %")
     assert "smallest" not in lines
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
@@ -32,7 +33,7 @@ def test_the_relative_is_the_same_test_with_the_softer_modulus(tmp_path: Path) -
     assert runs[0].identity == runs[1].identity
     assert runs[0].identity != setup.solvers["heap"].definition(values, 1).identity
     [line] = [line for line in describe_plan(setup).lines if "softer particles" in line]
-    assert "about 63 % of the computing time" in line
+    assert messages.PART_OF_SEARCH.is_in(line, share=63)
     assert setup.problem == loaded(tmp_path, GLASS_BEADS).problem
     assert loaded(tmp_path, GLASS_BEADS).relatives == {}
 
@@ -64,7 +65,7 @@ type = "python"
 function = "model.py:run"
 targets.angle = { value = 0.5, tolerance = 0.1 }
 """
-    with pytest.raises(InputError, match="needs a bulk test"):
+    with pytest.raises(InputError, match=messages.NO_TEST_HAS_RELATIVES.pattern):
         loaded(tmp_path, text + SOFTER)
 
 
@@ -79,7 +80,7 @@ def test_relatives_have_larger_or_fewer_particles(tmp_path: Path) -> None:
     )
     [one] = setup.relative_costs
     assert 0.15 < one.cost < 0.35
-    [line] = [line for line in describe_plan(setup).lines if "a part of the search" in line]
+    [line] = [line for line in describe_plan(setup).lines if messages.PART_OF_SEARCH.is_in(line)]
     assert "particles 1.25 times as large and 50 % of the particles in a smaller" in line
 
 

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.run_time import RunTime, costs_of_runs, expected_runs, run_time
 from grainfit.cli.app import app
@@ -80,7 +81,7 @@ def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Pa
     assert "days" in str(time)
     modulus = re.search(r"particle\.youngs_modulus = (\S+) MPa", note)
     assert modulus is not None
-    assert "the usual dimensions of the heap test (1500 particles)" in note
+    assert messages.USUAL_DIMENSIONS.is_in(note, type="heap", count=1500)
     assert "particle.coarse_graining = 2" in note
     # What it offers takes about the time that it says.
     softer = setup(
@@ -92,7 +93,7 @@ def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Pa
     assert found is not None
     assert "bulk_density by -" in found[1]
     assert found[2] == str(time_of(usual))
-    assert "smaller apparatus that hold 3000 particles" in note
+    assert messages.WITH_TWINS.is_in(note, count=3000)
 
 
 def test_timeout_is_noted_beside_a_test_whose_time_is_not_known(tmp_path: Path) -> None:
@@ -141,7 +142,7 @@ def test_bulk_density_below_every_packing_is_noted(tmp_path: Path) -> None:
 )
 def test_a_density_in_another_unit_is_called_that(tmp_path: Path, change: tuple[str, str]) -> None:
     [note] = notes_on_density(tmp_path, change)
-    assert 'seems to be in another unit: write it with its unit, as "1.5 g/cm^3".' in note
+    assert messages.ANOTHER_UNIT.is_in(note)
     assert "density = {" not in note
 
 
@@ -154,7 +155,7 @@ def test_a_tolerance_far_below_the_scatter_is_noted(tmp_path: Path) -> None:
     [note] = found("1")
     assert "scatter by about 0.6 %, and its tolerance, 1 kg/m^3, is 0.067 % of the value" in note
     assert "about 450 runs. About 9 of 10 such calibrations end undecided" in note
-    assert 'write it as one: "1 %"' in note
+    assert messages.MEANT_AS_PERCENTAGE.is_in(note)
     assert found('"1 %"') == found('"0.4 %"') == []
 
 
@@ -163,11 +164,11 @@ def test_run_forecasts_with_its_budget_what_check_forecasts(tmp_path: Path) -> N
     file = tmp_path / "beads.toml"
     checked = grainfit("check", file)
     assert "about 55 runs. About 8 of 10 such calibrations end undecided" in checked
-    assert "with a budget of 48 runs" in checked
+    assert messages.FINE_TOLERANCE.is_in(checked, budget=48)
     # Too few for the design: nothing is simulated.
     started = grainfit("run", file, "--max-runs", "3", "--workdir", tmp_path / "work")
     assert "about 55 runs. About 9 of 10" in started
-    assert "with a budget of 3 runs; a tolerance of 0.32 % takes about 26." in started
+    assert messages.FINE_TOLERANCE.is_in(started, budget=3, wide=0.32, offered=26)
     assert "angle_of_repose: recorded runs scatter by" in started
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Response
@@ -86,7 +87,7 @@ def test_joined_tests_are_named_by_check_and_have_the_larger_time_out(tmp_path: 
     assert (joined.name, joined.responses) == ("angle_and_flow", ("angle", "flow"))
     assert joined.options["timeout"] == 90.0
     [note] = notes_of(file)
-    assert "Tests angle and flow differ in their evaluation only" in note
+    assert messages.SHARED_SIMULATION.is_in(note, tests="angle and flow")
 
 
 def test_beside_another_test_joined_ones_have_one_name(tmp_path: Path) -> None:
@@ -109,7 +110,7 @@ def test_a_test_that_has_the_name_of_joined_ones_keeps_it(tmp_path: Path) -> Non
     file.write_text(file.read_text() + third + "targets.force = { value = 1 }\n")
     assert gf.load(file).problem.responses == ("angle.angle", "flow.flow", "angle_and_flow.force")
     [note] = notes_of(file)
-    assert "Make them one [[test]]" in note
+    assert messages.REPEATED_SIMULATION.is_in(note)
 
 
 def test_a_fault_after_joined_tests_names_the_table_of_the_file(tmp_path: Path) -> None:
@@ -134,8 +135,8 @@ def test_tests_with_another_simulation_are_left_alone(
 @pytest.mark.parametrize("change", [{"response": "angle"}, {"more": "repeats = 2"}])
 def test_tests_that_cannot_be_joined_are_noted(tmp_path: Path, change: dict[str, str]) -> None:
     [note] = notes_of(write(tmp_path, **change))
-    assert "Tests angle and flow differ at most in their evaluation" in note
-    assert "let the function in evaluate return all their responses" in note
+    assert messages.REPEATED_SIMULATION.is_in(note, one="angle", other="flow")
+    assert messages.ONE_FUNCTION.is_in(note, key="evaluate")
 
 
 def test_a_list_of_functions_evaluates_a_run(tmp_path: Path) -> None:

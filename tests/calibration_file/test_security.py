@@ -17,6 +17,7 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.console import print_error, print_plan, print_status
 from grainfit.errors import GrainfitError, InputError, RunFailedError
+from grainfit.options import messages
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model import model_folder
 from grainfit.solvers.own_model.command import Command
@@ -278,4 +279,4 @@ def test_python_that_no_parser_can_take_is_said(tmp_path: Path) -> None:
     (tmp_path / "model.py").write_text("x = " + "-" * 200_000 + "1\ndef measure(p, s): ...\n")
     function = FUNCTION.replace("model/trap.py", "model.py")
     parameters = "[parameters]\nx = { min = 1, max = 2 }"
-    assert "nested too deeply" in check(written(tmp_path, parameters, function))
+    assert messages.NESTED_TOO_DEEPLY.is_in(check(written(tmp_path, parameters, function)))

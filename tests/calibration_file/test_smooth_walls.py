@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.draw_down import messages
 from grainfit.calibration_file.starter import starter_file
 
 #: Of the walls, in the file of glass beads.
@@ -31,7 +32,7 @@ def test_smooth_walls_are_noted_where_a_bed_rests_on_them(
     assert text.count(GIVEN) == 1
     path = tmp_path / "beads.toml"
     path.write_text(text.replace(GIVEN, friction), encoding="utf-8")
-    notes = [note for note in gf.load(path).notes() if "roll on its walls" in note]
+    notes = [note for note in gf.load(path).notes() if messages.SMOOTH_WALLS.is_in(note)]
     assert len(notes) == noted
     if noted:
         assert f"Test {test}: with particle_wall.rolling_friction = 0.00" in notes[0]

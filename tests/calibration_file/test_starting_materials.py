@@ -20,6 +20,7 @@ from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import starter_file
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
+from grainfit.materials import messages as of_materials
 from grainfit.materials.starting_materials import (
     StartingMaterial,
     read_starting_material,
@@ -329,5 +330,5 @@ def test_names_are_found_however_they_are_written(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["", "../starting/wheat", "wheat.toml", "xqzwv"])
 def test_an_unknown_material_is_answered_with_where_to_look(name: str) -> None:
-    with pytest.raises(InputError, match=r"is no starting material\..*'grainfit materials' lists"):
+    with pytest.raises(InputError, match=of_materials.NO_STARTING_MATERIAL.pattern):
         read_starting_material(name)

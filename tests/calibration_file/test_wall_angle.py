@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.calibration_file import messages
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
@@ -96,4 +97,4 @@ def test_measured_parameters_alone_are_nothing_to_calibrate(
         (SLIDING, "sliding_friction = { measured_angle = 15, uncertainty = 1 }"),
     )
 
-    assert "there is no free parameter" in str(faults[0])
+    assert messages.NOTHING_FREE.is_in(str(faults[0]))

@@ -24,13 +24,16 @@ from typer.testing import CliRunner
 import grainfit
 from grainfit import ground_messages
 from grainfit.bulk_tests.heap import Heap
+from grainfit.campaign import messages as of_campaign
 from grainfit.cards import FORMATS, MaterialCard, material_card, messages, render, write_card
 from grainfit.cli import messages as cli_messages
 from grainfit.cli.app import app
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import GrainfitError, InputError, StoreError
+from grainfit.solvers.dem import messages as of_dem
 from grainfit.testing.decks import write_deck
 from grainfit.verdict.messages import STATUS_WORDS
+from grainfit.work_folder import messages as of_work_folder
 
 DRUM = grainfit.Problem(
     [grainfit.Parameter("Kohäsion", 0.0, 7e4, unit="J/m^3")],
@@ -144,7 +147,7 @@ def test_a_deck_is_told_units_origins_and_deviations(card: MaterialCard, to: str
     assert f"met; fresh seeds {card.responses[1].verified_mean:.5g}" in text
     assert "Calibration file: beads.toml" in text
     assert card.identity in text
-    assert ("CHECK: the values were calibrated with LAMMPS" in text) == (to != "lammps")
+    assert (of_dem.CALIBRATED_DIFFERENTLY.is_in(text, solvers="LAMMPS")) == (to != "lammps")
 
 
 def test_the_keys_of_the_json_card_are_those_of_the_documentation(card: MaterialCard) -> None:
@@ -345,10 +348,10 @@ def test_an_undecided_calibration_makes_a_card_that_is_not_calibrated(
 def test_without_an_answer_there_is_no_card_but_what_to_do(
     drum_folder: Path,
 ) -> None:
-    with pytest.raises(StoreError, match="is not a work folder"):
+    with pytest.raises(StoreError, match=of_campaign.NO_WORK_FOLDER.pattern):
         material_card(drum_folder / "none")
     (drum_folder / "result.json").rename(drum_folder / "result.old")
-    with pytest.raises(InputError, match=r"no answer yet.*missing.*Start the calibration again"):
+    with pytest.raises(InputError, match=of_work_folder.NO_ANSWER_FILE.pattern):
         material_card(drum_folder)
     for status, words in (
         ("running", "was interrupted before"),

@@ -15,6 +15,7 @@ from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
 from grainfit.materials.card import MaterialCard, Program
 from grainfit.materials.time_step import RAYLEIGH_EQUATIONS
+from grainfit.solvers.dem import messages as of_dem
 from tests.evaluated_equations import evaluate
 
 
@@ -160,12 +161,12 @@ def test_without_a_dashpot_the_other_solver_matters_little(
     # The card without the parameter has EPSD2, which agrees.
     text = comment_of(undamped_card, "liggghts")
     assert "CHECK" not in text
-    assert "calibrated with LAMMPS, which agrees without a rolling dashpot." in text
+    assert of_dem.CALIBRATED_ALIKE.is_in(text, solvers="LAMMPS")
 
 
 def test_yade_is_always_to_be_checked(undamped_card: MaterialCard) -> None:
     text = comment_of(undamped_card, "yade")
-    assert "CHECK: the values were calibrated with LAMMPS." in text
+    assert of_dem.CALIBRATED_DIFFERENTLY.is_in(text, solvers="LAMMPS")
     assert "Rolling friction is not quite the same in YADE" in text
     other = replace(undamped_card, programs=(Program("yade", "2023.02a"),))
     assert "CHECK" in comment_of(other, "liggghts")

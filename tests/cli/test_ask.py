@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from grainfit.cli import messages
 from grainfit.cli.app import app
+from grainfit.interview import messages as of_interview
 from grainfit.interview.interview import Interview
 
 BEFORE = "wheat\n?\n12 %\n4 mm\n\n\n\n\n"
@@ -46,7 +47,7 @@ def test_an_end_of_the_answers_keeps_them_and_it_goes_on_there(tmp_path: Path) -
     output, code = ask(tmp_path, TAKEN_BACK + "\n\n\n\n", "--no-estimate")
     assert code == 0, output
     assert "Which material" not in output
-    assert "packing has no measured value yet" in output
+    assert of_interview.NOT_MEASURED.is_in(output, names="packing", verb="has")
     _, code = ask(tmp_path, "", "--sheet", str(tmp_path / "sheet.pdf"))
     assert code == 0
     assert (tmp_path / "sheet.pdf").read_bytes().startswith(b"%PDF")

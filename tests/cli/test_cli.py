@@ -15,6 +15,7 @@ from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
 from grainfit.cli import messages as cli_messages
 from grainfit.errors import StoreError
+from grainfit.materials import messages as of_materials
 from grainfit.report import verdict_messages as messages
 from grainfit.work_folder.status import read_status
 from tests.commands import grainfit_here
@@ -226,7 +227,7 @@ def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
     assert "STARTING VALUES for wheat" in written
     assert 'type = "drum"' in written
     refused = grainfit("new", "four.toml", "--material", "wood", folder=tmp_path, code=1)
-    assert "Use one that is near: " in refused.stderr.replace("\n", " ")
+    assert of_materials.NEAR_MATERIALS.is_in(refused.stderr.replace("\n", " "))
     assert not (tmp_path / "four.toml").exists()
 
 

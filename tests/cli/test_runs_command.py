@@ -35,6 +35,7 @@ from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.table_files.table import read_table
+from grainfit.work_folder import messages as of_work_folder
 from grainfit.work_folder.disk_use import disk_use
 from grainfit.work_folder.prune import prune_runs
 from grainfit.work_folder.run_columns import run_columns
@@ -247,7 +248,7 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
         select_runs(runs, status="bad", test="heap", where=where)
     text = str(caught.value)
     assert len(caught.value.faults) == len(where) + 2
-    assert "\"__import__('os').abort()\" is not a condition" in text
+    assert of_work_folder.NO_CONDITION.is_in(text, text="__import__('os').abort()")
     assert "Did you mean 'particle.density'?" in text
     assert "Did you mean 'particle.density' or 'wall.density'?" in text
     assert "'3 m' has the unit m, which cannot be converted to kg/m^3" in text
@@ -257,7 +258,7 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
 
 def test_a_unit_is_not_guessed_for_responses_of_own_models() -> None:
     own = record(1, definition=RunDefinition({"solver": "command"}, {"x": 1.0}, 1))
-    with pytest.raises(InputError, match="compared as it is"):
+    with pytest.raises(InputError, match=of_work_folder.COMPARED_AS_IT_IS.pattern):
         select_runs(run_columns([own]), where=["angle_of_repose > 1 rad"])
     assert len(select_runs(run_columns([own]), where=["angle_of_repose > 1"]))
 
@@ -310,9 +311,11 @@ def test_show_tells_everything_of_a_run_by_the_beginning_of_its_identity(tmp_pat
     assert f"folder = {folder / 'runs' / record(1).identity}" in text
     assert '"type": "heap"' in text
     assert "2023-11-14T22:13:21+00:00" in text
-    with pytest.raises(InputError, match="'1' is the beginning of 2 runs"):
+    with pytest.raises(
+        InputError, match=of_work_folder.SEVERAL_RUNS.matching(identity="1", count=2)
+    ):
         grainfit("runs", "show", folder, "1")
-    with pytest.raises(InputError, match="there is no run 'abc'"):
+    with pytest.raises(InputError, match=of_work_folder.NO_RUN.matching(identity="abc")):
         grainfit("runs", "show", folder, "abc")
     with pytest.raises(InputError, match=messages.NO_WORK_FOLDER.pattern):
         grainfit("runs", "show", tmp_path, "abc")
@@ -414,7 +417,7 @@ def test_an_export_is_whole_or_not_there(tmp_path: Path, monkeypatch: pytest.Mon
     (tmp_path / "busy.csv").mkdir()
     with pytest.raises(InputError, match=r"busy.csv. cannot be written"):
         grainfit("runs", "export", folder, tmp_path / "busy.csv")
-    with pytest.raises(InputError, match=r"End it in .csv or .parquet"):
+    with pytest.raises(InputError, match=of_work_folder.UNKNOWN_FORMAT.pattern):
         grainfit("runs", "export", folder, tmp_path / "runs.xls")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
@@ -458,7 +461,7 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     assert f"Warm start from {total} earlier runs: {source}." in learnt.stderr
     again = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "theirs")
     assert f"Imported 0 runs of the test python; {total} were there already." in again.stdout
-    assert "A calibration that was started in this folder before continues without" in again.stdout
+    assert of_work_folder.NOT_BY_EARLIER_CALIBRATIONS.is_in(again.stdout)
 
 
 def test_an_exported_table_can_be_calibrated_on_and_imported_as_it_is(sand: Path) -> None:
@@ -505,7 +508,7 @@ def test_importing_a_table_again_changes_only_what_was_corrected_in_it(sand: Pat
     assert {r.identity for r in stored(Path("work"))} == runs.keys()
     shorter = imported(sand, "angle,friction\n30,0.3\n")
     assert shorter.known == 1
-    assert "3 runs of an earlier import of this table are not in it any more" in str(shorter)
+    assert of_work_folder.EARLIER_IMPORT_STAYS.is_in(str(shorter), runs="3 runs")
 
 
 def test_runs_of_two_tables_at_the_same_parameters_are_repeats(sand: Path) -> None:
@@ -528,7 +531,7 @@ def test_a_run_that_was_made_here_is_not_replaced_by_a_table(sand: Path) -> None
     assert made.definition == solver.definition({"friction": 0.3}, 7)
     done = imported(sand, "friction,angle,seed\n0.3,99,7\n0.3,98,8.0\n")
     assert (done.new, done.known, done.replaced) == (1, 0, 0)
-    assert "line 2: this run is there already with other responses (made here)" in str(done)
+    assert of_work_folder.RUN_STAYS.is_in(str(done), line=2, origin="made here")
     assert made in stored(Path("work"))
 
 
@@ -625,7 +628,7 @@ def test_importing_runs_of_a_solver_that_is_missing_says_why_it_is_needed(tmp_pa
     file = tmp_path / "calibration.toml"
     file.write_text(text.replace(line, f'{line}\nexecutable = "{program}"'))
     table = "particle.density,particle_particle.rolling_friction,bulk_density,angle_of_repose\n"
-    with pytest.raises(SolverNotFoundError, match="It is needed to import runs too"):
+    with pytest.raises(SolverNotFoundError, match=of_work_folder.SOLVER_FOR_IMPORT.pattern):
         imported(file, table + "2100,0.5,1400,21\n", str(tmp_path / "work"))
 
 
@@ -648,12 +651,12 @@ def test_show_takes_the_number_of_a_run_in_the_report(sand: Path) -> None:
     saved = SavedCalibration.open(sand.with_suffix(".grainfit"))
     [identity] = saved.evaluations[2].runs.values()
     assert identity in grainfit("runs", "show", saved.folder, "3").stdout
-    with pytest.raises(InputError, match="there is no run '9999'"):
+    with pytest.raises(InputError, match=of_work_folder.NO_RUN.matching(identity="9999")):
         grainfit("runs", "show", saved.folder, "9999")
 
 
 def test_runs_of_several_tests_at_equal_parameters_belong_together(two_tests: Path) -> None:
-    with pytest.raises(InputError, match="--test: must be given: the file has several tests"):
+    with pytest.raises(InputError, match=f"--test: {of_work_folder.TEST_NOT_GIVEN.pattern}"):
         imported(two_tests, "friction,force\n0.3,2\n")
     with pytest.raises(InputError, match="There are: python, shear"):
         imported(two_tests, "friction,force\n0.3,2\n", test="heap")
@@ -719,7 +722,7 @@ def test_pruning_refuses_what_is_no_work_folder_and_runs_elsewhere(tmp_path: Pat
     folder = work(tmp_path / "work", record(1))
     outside = run_folder(tmp_path / "elsewhere", record(1))
     (folder / "runs").symlink_to(outside.parent)
-    with pytest.raises(InputError, match="is a link, and links are not followed"):
+    with pytest.raises(InputError, match=of_work_folder.RUNS_ARE_A_LINK.pattern):
         prune_runs(folder)
     assert "in.lammps" in names(outside)
 

@@ -31,6 +31,7 @@ from unittest.mock import patch
 import psutil
 
 from grainfit.calibration import calibrate as calibration
+from grainfit.campaign import messages
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore
@@ -355,7 +356,7 @@ class Trial:
                 store = RunStore.read_only(Path(copy))
             except StoreError as error:
                 # Killed before anything was written to the store.
-                if "nothing was run yet" in str(error):
+                if messages.STORE_EMPTY.is_in(str(error)):
                     return []
                 raise
             try:

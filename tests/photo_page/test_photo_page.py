@@ -16,6 +16,7 @@ from benchmarks import chromium
 from benchmarks.axe import LAPTOP, PHONE, violations
 from grainfit.local_pages.server import listen
 from grainfit.photo_page.server import PhotoServer
+from grainfit.photographs import messages
 from grainfit.photographs.by_hand import by_hand_path
 from tests.photographs.drawn_pictures import cone
 from tests.photographs.rendered_pictures import Shot, save
@@ -85,7 +86,7 @@ def test_what_is_dragged_is_measured_saved_and_used_again(
     expect(page.locator("#saved")).to_contain_text("heap.jpg.by_hand.json")
     found = gf.photo(server.picture.path)
     assert found.angle_of_repose.value == pytest.approx(value(page), abs=0.03)
-    assert "plate line, axis drawn by hand" in str(found.summary())
+    assert messages.BY_HAND.is_in(str(found.summary()), drawn="plate line, axis")
 
     # Both parts back to the program: nothing is kept.
     for part in ("Axis", "Plate line"):

@@ -17,6 +17,7 @@ from grainfit.calibration_file.originals import keep_pictures
 from grainfit.cli.app import app
 from grainfit.measurement.angle_of_repose import heap_silhouettes
 from grainfit.measurement.heap_size import heap_profile
+from grainfit.photographs import messages as of_photographs
 from tests.photographs.drawn_pictures import cone
 from tests.photographs.photographed_heap import ANGLE, PROFILE, load
 
@@ -131,7 +132,7 @@ def test_an_outline_without_a_known_length_is_refused(folder: Path) -> None:
 
 
 def test_a_picture_without_the_sheet_is_refused_where_it_is_to_be_seen(folder: Path) -> None:
-    with pytest.raises(gf.InputError, match="markers of the sheet"):
+    with pytest.raises(gf.InputError, match=of_photographs.NO_MARKER.pattern):
         load(folder, 'targets.angle_of_repose = { photos = "heap_1.jpg", marker = true }\n')
 
 

@@ -166,5 +166,7 @@ def test_friction_on_a_wall_is_what_the_pictures_of_the_file_tell(
     assert list(setup.provenance.pictures) == ["particle_wall.sliding_friction"]
     said = CliRunner().invoke(app, ["check", "beads.toml"]).output
     assert file_messages.REPEATS_PHOTOGRAPHED.is_in(said), said
-    with pytest.raises(gf.InputError, match=r"restitution\.photos: is not the tangent"):
+    with pytest.raises(
+        gf.InputError, match=rf"restitution\.photos: {file_messages.NO_TANGENT.pattern}"
+    ):
         gf.load(write("wrong.toml", slope, "restitution"))

@@ -31,6 +31,7 @@ from grainfit.formatting import number, rounded
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.drawing import simplified
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers
+from grainfit.report import messages as of_report
 from grainfit.report import page as report_page
 from grainfit.report import verdict_messages as messages
 from grainfit.report.section import ReportContext, Section
@@ -45,6 +46,7 @@ from grainfit.report.verdict import shown_verdict
 from grainfit.result import ParameterInterval, Result, RunCounts
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import snapshot_file
+from grainfit.verdict import messages as of_verdict
 from grainfit.verdict.out_of_reach import OutOfReach
 from grainfit.verdict.reasons import Contradicted, FreshSeedsMissing, OutliersDecide, Reason
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -282,8 +284,8 @@ def test_a_missed_target_and_a_bound_in_the_way_are_named() -> None:
     assert "bulk density" not in text(answer(outside)).partition("Parameters")[0]
     miss = OutOfReach("bulk_density", 1500, 1425, 2.0, False, DENSITY, "max", 2205.0, 2340.0)
     unreachable = context("unreachable", replace(RESULT, out_of_reach=(miss,)))
-    assert "The bound in the way is particle.density.max = 2205; try 2340." in text(
-        answer(unreachable)
+    assert of_verdict.BOUND.is_in(
+        text(answer(unreachable)), bound="particle.density.max = 2205", suggestion=2340
     )
 
 
@@ -647,10 +649,10 @@ def test_only_runs_of_particles_are_said_to_jam(heaps: ReportContext) -> None:
     angle = replace(ANGLE, jams_not_excluded=0.19)
     result = replace(RESULT, responses={"angle_of_repose": angle})
     own_model = text(verification(context(result=result)))
-    assert "up to 19 % possible of runs that do not belong to the others" in own_model
+    assert of_report.NO_OUTLYING_RUNS.is_in(own_model, share=19)
     assert "jam" not in own_model
     bulk_test = replace(heaps, reading=replace(heaps.reading, result=result))
-    assert "a share of jams of up to 19 % possible" in text(verification(bulk_test))
+    assert of_report.NO_JAMS.is_in(text(verification(bulk_test)), share=19)
 
 
 def test_fresh_seeds_that_contradict_the_others_are_marked_as_the_verdict_has_it() -> None:

@@ -22,6 +22,7 @@ from grainfit.cli.app import app
 from grainfit.contact_models.registry import CONTACT_MODELS
 from grainfit.formatting import plain_interval, rounded
 from grainfit.pdf import BOLD, REGULAR, use_fonts
+from grainfit.report import messages
 from grainfit.report.sheet.sheet import write_sheet
 from grainfit.result import CurveResult
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -91,7 +92,7 @@ def test_every_page_begins_with_the_state(status: str, words: str, tmp_path: Pat
 
     texts = pages(path)
     assert [text.startswith(f"{words} Material data") for text in texts] == [True, True]
-    assert ("not those of a calibrated material" in texts[0]) == (status != "calibrated")
+    assert (messages.NOT_TO_BE_USED.is_in(texts[0])) == (status != "calibrated")
     # The band says it in colour, too: only a calibrated material is green.
     with closing(pypdfium2.PdfDocument(path)) as document:
         red, green, _ = np.array(document[1].render().to_pil().convert("RGB"))[3, 3].tolist()
@@ -167,7 +168,7 @@ def test_the_command_writes_it_and_says_why_it_cannot(tmp_path: Path) -> None:
     assert name == "sheet.pdf"
     first, second = pages(tmp_path / "sand" / name)
     assert "friction" in first
-    assert "No run of this calibration tells" in second or "time step is unknown" in second
+    assert messages.NO_SPEED.is_in(second) or messages.NO_TIME_STEP.is_in(second)
     (tmp_path / "taken").mkdir()
     with pytest.raises(grainfit.StoreError, match="cannot be written"):
         grainfit.open(tmp_path / "sand").sheet(tmp_path / "taken")

@@ -269,5 +269,5 @@ def test_a_load_on_an_area_needs_two_parallel_planes_in_their_order():
     assert right.first_distance("left", "right") == pytest.approx(0.2)
     assert right.concepts() >= {"load", "load on an area", "friction of a stage"}
     for pair in (("right", "left"), ("left", "floor"), ("left", "tube"), ("left", "nothing")):
-        with pytest.raises(InputError, match="two planes of one axis"):
+        with pytest.raises(InputError, match=messages.NO_AREA.pattern):
             loaded(*pair)

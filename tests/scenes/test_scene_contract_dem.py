@@ -13,6 +13,7 @@ from grainfit.errors import RunFailedError
 from grainfit.scenes.conditions import Elapsed
 from grainfit.scenes.scene import Load, Stage, Wall
 from grainfit.scenes.shapes import Block
+from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.clump_contract import ClumpContract
@@ -64,5 +65,7 @@ class TestLiggghts(SceneContract, GluedContract, ImpactContract, ClumpContract):
         box = replace(BOX, low=(-0.1, -0.1, -0.05))
         scene = scene_of(spheres([(0, 0, 0.05)]), walls, stages, DAMPED, box=box)
 
-        with pytest.raises(RunFailedError, match=r"cannot press on nothing in the stage 'press'"):
+        with pytest.raises(
+            RunFailedError, match=messages.EMPTY_BOX_PRESSED.matching(stage="press")
+        ):
             run(scene)

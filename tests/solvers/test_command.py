@@ -507,8 +507,8 @@ def test_check_names_what_is_missing(tmp_path):
         tmp_path, a__py="def other(folder): pass", broken__py="def (", run__sh="x"
     )
 
-    assert "does not exist" in fault(Command(tmp_path / "none", ["true"]))
-    assert "does not exist" in fault(Command(folder / "a.py", ["true"]))
+    assert messages.NO_FOLDER.is_in(fault(Command(tmp_path / "none", ["true"])))
+    assert messages.NO_FOLDER.is_in(fault(Command(folder / "a.py", ["true"])))
     assert "no-such-program" in fault(Command(folder, ["no-such-program"]), SolverNotFoundError)
     assert "./gone.sh" in fault(Command(folder, ["./gone.sh"]), SolverNotFoundError)
     assert "/no/such" in fault(Command(folder, ["/no/such"]), SolverNotFoundError)
@@ -671,7 +671,7 @@ def test_a_template_that_never_ends_is_ended_by_the_time_out(tmp_path, text):
     started = time.monotonic()
 
     with pytest.raises(
-        RunFailedError, match=r"filling in deck.j2 took longer than 0\.5 s"
+        RunFailedError, match=messages.FILLING_TOO_LONG.matching(where="deck.j2", timeout=0.5)
     ) as caught:
         solver.run({"x": 1.0}, 1, workspace(tmp_path, timeout=0.5))
 

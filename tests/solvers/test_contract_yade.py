@@ -70,7 +70,7 @@ def test_rolling_damping_is_refused_and_what_to_do_is_said():
     assert [fault.key for fault in caught.value.faults] == list(DAMPING)
     for fault in caught.value.faults:
         assert "0.25" in fault.message
-        assert "Set it to 0" in fault.remedy
+        assert dem_messages.NO_ROLLING_DAMPING.is_in(str(fault))
 
 
 def test_an_interval_of_rolling_damping_is_refused_before_a_run():

@@ -16,6 +16,7 @@ import pytest
 
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Response
+from grainfit.options import messages as of_options
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -479,7 +480,7 @@ def test_missing_file(tmp_path):
 
 @pytest.mark.parametrize("reference", ["", "model.py", ":f", "model.py:", "model:f", "m.py:a b"])
 def test_reference_that_names_no_function(reference):
-    with pytest.raises(InputError, match="does not name a function in a file"):
+    with pytest.raises(InputError, match=of_options.NO_REFERENCE.pattern):
         PythonCallable.from_file(reference)
 
 

@@ -37,7 +37,7 @@ from grainfit.scenes.run_output import RunOutput
 from grainfit.scenes.scene import Box, Load, Scene, Stage, Velocity, Wall, time_step
 from grainfit.scenes.shapes import Block, Plane
 from grainfit.solvers.base import Workspace
-from grainfit.solvers.dem import restarts
+from grainfit.solvers.dem import messages, restarts
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.dem.program import DeckSolver
@@ -305,7 +305,7 @@ def killed(
         kill_all(process, folder)
     subprocess.run([sys.executable, "-c", script], check=True)
     (run,) = (folder / "runs").iterdir()
-    assert "continues at time step" in (run / restarts.LOG).read_text()
+    assert messages.CONTINUED.is_in((run / restarts.LOG).read_text())
     assert not list(run.glob("restart.*"))
     unbroken.mkdir()
     solver.run({}, 5, Workspace(unbroken, 120.0))
@@ -372,5 +372,5 @@ def test_a_run_that_the_user_stops_or_whose_solver_is_killed_continues_in_the_ne
     assert (first.status, first.kind) == ("failed", kind)
     assert second.status == "finished"
     (run,) = (tmp_path / "runs").iterdir()
-    assert "continues at time step" in (run / restarts.LOG).read_text()
+    assert messages.CONTINUED.is_in((run / restarts.LOG).read_text())
     assert not list(run.glob("restart.*"))

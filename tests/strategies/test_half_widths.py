@@ -129,7 +129,7 @@ def test_where_the_budget_ends_it_the_notice_says_what_more_runs_would_bring() -
 
     assert len(runs) == 12
     [notice] = search.notices
-    assert "More runs would narrow it" in notice
+    assert messages.MORE_RUNS_NARROW.is_in(notice)
     assert "larger budget" in notice
 
 
@@ -230,7 +230,7 @@ def test_runs_that_would_fail_are_not_made_to_narrow_an_interval() -> None:
 
     assert len(runs) >= 8
     assert sum(bool(evaluation.failures) for evaluation in runs) <= 0.4 * len(runs)
-    assert "Runs fail at" in search.notices[0]
+    assert messages.FAILURES_AMONG_ANSWERS.is_in(search.notices[0])
 
 
 # Where it goes -------------------------------------------------------------------------------
@@ -258,7 +258,7 @@ def test_of_two_tests_it_runs_the_one_whose_metamodel_limits_the_intervals() -> 
     # The sum is known ten times as well as is needed, whatever its metamodel.
     assert len(added) >= 5
     assert len(in_shear) >= 0.9 * len(added)
-    assert "All are within" in search.notices[0]
+    assert messages.HALF_WIDTHS_REACHED.is_in(search.notices[0])
 
 
 def test_no_more_runs_are_started_than_are_needed_at_most() -> None:
@@ -282,7 +282,7 @@ def test_several_runs_at_a_time_come_to_the_same_end() -> None:
 
     assert len(runs) <= len(alone) + 8
     assert len({e.proposal.seed for e in runs}) == len(runs)
-    assert "All are within" in search.notices[0]
+    assert messages.HALF_WIDTHS_REACHED.is_in(search.notices[0])
 
 
 def test_the_runs_that_are_left_are_estimated() -> None:

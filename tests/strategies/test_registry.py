@@ -217,7 +217,7 @@ def test_one_that_cannot_be_used_is_left_out_with_a_warning(
     code = "from grainfit.strategies.registry import strategies; print(list(strategies()))"
     done = _python(tmp_path, code)
     assert done.stdout == "['sequential', 'staged']\n"
-    assert "is left out" in done.stderr
+    assert messages.LEFT_OUT.is_in(done.stderr)
     assert why in done.stderr
 
 

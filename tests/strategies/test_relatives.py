@@ -13,10 +13,12 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+from grainfit.calibration import messages
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Relative
+from grainfit.problem import messages as of_problem
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.staged.strategy import Staged
@@ -182,10 +184,10 @@ def test_what_cannot_be_a_relative_is_refused() -> None:
     with pytest.raises(InputError, match="above 0, below 1"):
         Relative("heap", 1.5)
     heap = {"heap": PythonCallable(stiff)}
-    with pytest.raises(InputError, match="relative without a solver"):
+    with pytest.raises(InputError, match=messages.RELATIVE_WITHOUT_SOLVER.pattern):
         gf.calibrate(problem_at(), heap)
     own = gf.Problem(problem_at().parameters, problem_at().targets)
-    with pytest.raises(InputError, match="does not declare"):
+    with pytest.raises(InputError, match=messages.NO_RELATIVE.pattern):
         gf.calibrate(own, heap, relatives={"heap": PythonCallable(soft)})
     with pytest.raises(InputError, match="no meaning for the staged strategy"):
         gf.calibrate(
@@ -195,7 +197,7 @@ def test_what_cannot_be_a_relative_is_refused() -> None:
 
 def test_a_search_that_is_asked_and_told_has_relatives() -> None:
     own = problem_at()
-    with pytest.raises(InputError, match="no test of the problem"):
+    with pytest.raises(InputError, match=of_problem.RELATIVE_OF_NO_TEST.pattern):
         gf.Sequential().start(own, seed=1)
     scope = gf.TestScope("heap", ["angle", "density"], ["sliding", "rolling"])
     search = gf.Sequential().start(replace(own, tests=[scope]), seed=1)

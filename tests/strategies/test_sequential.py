@@ -12,6 +12,7 @@ from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
+from grainfit.strategies import messages
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.sequential.search import RUNS_PER_PARAMETER
 from grainfit.strategies.sequential.strategy import Sequential
@@ -24,6 +25,7 @@ from grainfit.testing.strategy_contract import (
     quiet,
     scattered,
 )
+from grainfit.verdict import messages as of_verdict
 
 DESIGN = 5
 DEFAULT_BUDGET = DESIGN + 2 * RUNS_PER_PARAMETER
@@ -214,7 +216,7 @@ def test_a_bound_that_is_in_the_way_is_moved_if_that_is_wanted() -> None:
     assert not answer.out_of_reach
     assert expected(answer.parameters)["bulk_density"] == pytest.approx(1500.0, abs=15.0)
     assert search.current_problem.intervals["density"][1] > 2326.0
-    assert "density.max = 2205 was in the way and has been moved to" in search.notices[0]
+    assert messages.BOUND_MOVED.is_in(search.notices[0], bound="density.max", was=2205)
 
 
 def test_a_moved_bound_stays_within_physical_limits() -> None:
@@ -236,7 +238,7 @@ def test_a_moved_bound_stays_within_physical_limits() -> None:
     [miss] = search.answer().out_of_reach
     assert (miss.bound_value, miss.suggestion) == (1.0, None)
     assert f"{name}.max = 0.9 was in the way and has been moved to 1." in search.notices
-    assert "no possible value beyond it is enough" in search.notices[-1]
+    assert of_verdict.NO_BOUND_BEYOND.is_in(search.notices[-1])
 
 
 # The Rayleigh time step ----------------------------------------------------------------------
@@ -287,7 +289,7 @@ def test_of_the_answers_that_agree_the_one_that_computes_fastest_is_taken(seed: 
 def test_what_the_preference_gained_is_said() -> None:
     search = Sequential().start(SOFT, 1)
     converse(search, softness)
-    assert "largest Rayleigh time step" in search.notices[-1]
+    assert messages.LARGEST_TIME_STEP.is_in(search.notices[-1])
 
 
 @pytest.mark.parametrize("rayleigh", [None, "fixed"])

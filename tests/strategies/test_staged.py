@@ -8,6 +8,7 @@ import pytest
 
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.metamodels import messages
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.strategies.base import Search
@@ -169,7 +170,10 @@ def test_failed_runs_are_left_out_and_the_answer_is_still_found() -> None:
 
 def test_too_few_successes_end_with_the_reason() -> None:
     search = Staged().start(problem(), seed=1)
-    with pytest.raises(RunFailedError, match="only 0 of 26 runs gave the response 'bulk_density'"):
+    with pytest.raises(
+        RunFailedError,
+        match=messages.FEW_RESPONSES.matching(known=0, runs="26 runs", name="bulk_density"),
+    ):
         converse(search, lambda _parameters, _random: {})
 
 

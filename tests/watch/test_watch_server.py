@@ -21,6 +21,7 @@ from grainfit.campaign.folder_lock import hold
 from grainfit.errors import InputError
 from grainfit.local_pages import messages
 from grainfit.local_pages.server import address_of, listen
+from grainfit.watch import messages as of_watch
 from grainfit.watch.server import WatchServer
 
 SECRET = "a secret of the user"
@@ -243,7 +244,7 @@ def test_only_the_page_itself_can_stop_a_calibration(
         wait_for(lambda: interrupts == [signal.SIGINT], 5)
     status, body, _ = ask(server, f"/{server.token}/stop", "POST", Origin=own)
     assert status == 409
-    assert "no process uses the work folder" in json.loads(body)["why"]
+    assert of_watch.NOT_IN_USE.is_in(json.loads(body)["why"])
 
 
 def test_the_server_of_a_killed_run_tells_so_and_ends(tmp_path: Path) -> None:

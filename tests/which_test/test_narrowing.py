@@ -171,7 +171,7 @@ def test_a_parameter_of_which_the_atlas_does_not_tell_does_not_count_as_known(
 ) -> None:
     limits, untold, frictions = expected(DENSITY, SLIDING, ROLLING, parameter, test=test).notes
 
-    assert "the slopes of dry spheres" in limits
+    assert messages.SLOPES_OF_DRY_SPHERES.is_in(limits)
     assert messages.EFFECT_NOT_TOLD(names=parameter.name, them="it") in untold
     assert "Even if it was known, " in untold
     assert f"% of the interval of {SLIDING.name}" in untold

@@ -10,6 +10,7 @@ import pytest
 
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.problem import Parameter
+from grainfit.which_test import messages
 from grainfit.which_test.candidate import Candidate, CandidateResponse
 from grainfit.which_test.determination import interval_of
 from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
@@ -127,7 +128,7 @@ def test_a_response_along_the_ridge_is_recommended_and_one_across_it_is_not() ->
     assert found.best.settled == (SLIDING, ROLLING)
     assert found.unsettled == ()
     assert min(found.prospects[1].shares.values()) > 0.9
-    assert "Do next: along. It would leave" in str(found)
+    assert messages.DO_NEXT.is_in(str(found), test="along")
 
 
 def test_noise_is_not_taken_for_information() -> None:
@@ -211,5 +212,5 @@ def test_nothing_is_recommended_where_no_test_tells_more() -> None:
     useless = Candidate("packing", 1.0, (measured((0, 0, 0), noise=0.01),))
     found = rank_tests(today(SLIDING), [useless], [], 7, 2)
     assert found.best is None
-    assert "None of these tests tells noticeably more than the runs do." in str(found)
+    assert messages.NOTHING_WORTH_DOING.is_in(str(found))
     assert str(Advice(today())) == "Every parameter is determined: no further test is needed."

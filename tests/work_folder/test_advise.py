@@ -13,6 +13,7 @@ import grainfit as gf
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
+from grainfit.which_test import messages
 
 DENSITY, ROLLING = "particle.density", "particle_particle.rolling_friction"
 
@@ -61,7 +62,7 @@ def test_impossible_options_are_named(
 def test_nothing_is_advised_where_no_parameter_set_agrees(tmp_path: Path) -> None:
     saved = calibrated(tmp_path, target=80.0)
     assert saved.state == "unreachable"
-    with pytest.raises(gf.InputError, match="Widen an interval"):
+    with pytest.raises(gf.InputError, match=messages.NOTHING_AGREES.pattern):
         saved.advise()
 
 

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.analysis import messages as of_analysis
 from grainfit.cli.app import app
 from grainfit.work_folder import messages
 
@@ -66,12 +67,12 @@ def test_the_posterior_is_that_of_the_runs_and_nothing_is_simulated(file: Path) 
     assert found.disagreement == ""
     text = str(found)
     assert "0.0300 ± 0.0010" in text
-    assert "friction is determined to" in text
+    assert of_analysis.DETERMINED_TO.is_in(text, name="friction")
     assert "force depends on friction" in text
     assert not Path("shear.grainfit").exists()
     done = CliRunner().invoke(app, ["analyse", "shear.toml", "--runs", "runs.csv"])
     assert done.exit_code == 0, done.output
-    assert "friction is determined to" in done.output
+    assert of_analysis.DETERMINED_TO.is_in(done.output, name="friction")
 
 
 def test_tables_of_several_tests_are_named_and_combined(file: Path) -> None:

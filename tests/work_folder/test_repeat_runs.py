@@ -10,9 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.analysis import messages as of_analysis
 from grainfit.analysis.scatter import RepeatedRuns, ResponseScatter, scatter_over_seeds
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.cli.app import app
+from grainfit.verdict import messages as of_verdict
 from grainfit.work_folder import messages
 
 MODEL = """\
@@ -72,7 +74,7 @@ def test_mean_and_scatter_are_those_of_the_seeds_and_only_missing_runs_are_made(
     assert runs["blades"].standard_deviation == 0
     text = str(runs)
     assert "20.00 ± 0.50" in text
-    assert "angle: one run scatters by" in text
+    assert of_analysis.ONE_RUN_SCATTERS.is_in(text, name="angle")
     assert "<table" in runs._repr_html_()
 
 
@@ -102,10 +104,9 @@ def test_the_number_of_runs_for_the_tolerance_holds_the_mean_within_it() -> None
 def test_a_response_that_scatters_by_several_tolerances_is_called_useless() -> None:
     zero = gf.Target("force", 0.0, tolerance=0.5, unit="N")
     runs = RepeatedRuns((ResponseScatter("force", (-2.0, 2.0, -2.0, 2.0), zero),), {}, ())
-    assert (
-        "force scatters by 2.3 N from run to run and tells nothing at its tolerance of 0.5 N: the "
-        "mean of about 22 runs has a standard error as large as the tolerance."
-    ) in str(runs)
+    assert of_verdict.USELESS_SCATTER.is_in(
+        str(runs), target="force", scatter="2.3 N", tolerance="0.5 N", runs=22
+    )
     assert "82 runs is within it (95 %)" in str(runs)
     calm = RepeatedRuns((ResponseScatter("force", (-1.0, 1.0, -1.0, 1.0), zero),), {}, ())
     assert "tells nothing" not in str(calm)

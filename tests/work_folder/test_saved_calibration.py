@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import grainfit
+from grainfit.analysis import messages as of_analysis
+from grainfit.calibration import messages as of_calibration
 from grainfit.calibration.provenance import Provenance
 from grainfit.campaign import messages as store_messages
 from grainfit.errors import StoreError
@@ -139,7 +141,7 @@ def test_a_warm_start_counts_in_all_that_is_said(tmp_path: Path) -> None:
     assert f"Besides these, a warm start used {first.runs.total} of other calibrations." in page
     assert "a run of another calibration" in page
     # The second has hardly another place than its answer, and alone would tell nothing.
-    assert "particle density of the solid is determined to" in page
+    assert of_analysis.DETERMINED_TO.is_in(page, name="particle density of the solid")
 
 
 def test_another_weight_of_the_time_step_is_another_calibration(tmp_path: Path) -> None:
@@ -187,5 +189,5 @@ def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: 
         grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=tmp_path / "work")
     reading = SavedCalibration.open(tmp_path / "work")
     assert (reading.state, len(reading.evaluations)) == ("failed", 3)
-    assert "first 3 runs all failed" in reading.failure
+    assert of_calibration.ALL_FAILED.is_in(reading.failure, runs=3)
     assert all("the drum has no lid" in run.log_tail for run in reading.records.values())

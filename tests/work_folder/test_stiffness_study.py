@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.analysis import messages as of_analysis
 from grainfit.analysis.modulus_plan import ModulusPlan, simulate_moduli
 from grainfit.analysis.modulus_study import ModulusRow
 from grainfit.campaign.batch import ExpectedWork
@@ -86,7 +87,7 @@ def test_only_the_stiffest_is_no_proof_that_it_is_stiff_enough() -> None:
     study = gf.stiffness_study("sand.toml", factors=[1, 4])
     assert study.smallest_sufficient is None
     text = str(study)
-    assert "Whether 4 MPa is stiff enough is not known: add a larger factor." in text
+    assert of_analysis.NO_SMALLER_MODULUS.is_in(text, top="4 MPa")
     assert "bulk_density differs by 75 kg/m³ at 1 MPa, 40 kg/m³ are accepted" in text
 
 
@@ -97,10 +98,14 @@ def test_scatter_leaves_open_what_the_means_do_not_show(sand: Path) -> None:
     study = gf.stiffness_study("sand.toml", factors=[16, 64])
     assert study.smallest_sufficient is not None
     assert study.in_doubt == ("angle",)
-    assert (
-        "16 MPa is the smallest modulus that may be enough: the scatter leaves open whether "
-        "angle is within tolerance of what 64 MPa gives; bulk_density is. More seeds tell."
-    ) in str(study)
+    assert of_analysis.MODULUS_IN_DOUBT.is_in(
+        str(study),
+        modulus="16 MPa",
+        responses="angle",
+        verb="is",
+        top="64 MPa",
+        sure="; bulk_density is",
+    )
 
 
 @pytest.mark.usefixtures("sand")

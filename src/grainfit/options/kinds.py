@@ -133,7 +133,7 @@ def suggest(wrong: object, known: Iterable[str], otherwise: str) -> str:
     options = list(known)
     close = difflib.get_close_matches(str(wrong)[:64], options, n=1)
     if close:
-        return f'Did you mean "{close[0]}"?'
+        return messages.MEANT(name=close[0])
     return f"{otherwise}: {', '.join(options)}."
 
 

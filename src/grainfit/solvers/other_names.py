@@ -5,6 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping
 
+from grainfit.options import messages
+
 _SCENE = 'type = "scene" simulates an experiment of your own'
 _POURED = 'type = "funnel" is a poured heap.'
 _VESSEL = f'type = "hopper" has cones, wedges and flat floors. {_SCENE}, from STL files.'
@@ -70,7 +72,7 @@ def instead_of_program(name: object, known: Iterable[str]) -> str:
     key = _key(name)
     possible = list(known)
     if close := difflib.get_close_matches(key, possible, n=1, cutoff=0.75):
-        return f'Did you mean "{close[0]}"?'
+        return messages.MEANT(name=close[0])
     return _PROGRAM.format(known=", ".join(possible))
 
 
