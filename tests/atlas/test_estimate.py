@@ -96,6 +96,24 @@ def test_an_estimate_says_that_nothing_was_simulated_and_what_stays_open() -> No
     assert messages.TO_VERIFY.is_in(text)
 
 
+def _of_cylinder(height: float) -> tuple[float, gf.Estimate]:
+    """Return the standard error of the density in a measuring cylinder, and the estimate."""
+    test = gf.tests.Packing(diameter="10 mm", fill_height=height, bulk_density_top="60 mm")
+    solver = gf.solvers.Lammps(test, _without_frictions(MATERIAL))
+    target = gf.Target("bulk_density", "1300 kg/m^3", uncertainty="1 %")
+    found = estimate_of(gf.Problem(FRICTIONS, [target]), {"packing": solver})
+    return found.responses[0].standard_error, found
+
+
+def test_an_apparatus_beyond_the_rows_is_told_less_surely_and_named() -> None:
+    inside, usual = _of_cylinder(0.12)
+    beyond, high = _of_cylinder(0.4)
+
+    assert beyond > 2 * inside
+    assert not usual.less_sure
+    assert messages.LESS_SURE.is_in(str(high))
+
+
 def test_a_further_measurement_is_named_that_narrows_what_is_open() -> None:
     found = estimate_of(_of_angle(25.0), _heaps())
 

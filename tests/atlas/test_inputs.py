@@ -107,6 +107,14 @@ def test_stiffer_particles_than_those_of_the_rows_follow_the_trend() -> None:
         _reading(HEAP).require_inside({"particle.youngs_modulus": 1e4})
 
 
+def test_a_speed_of_a_drum_beyond_those_of_the_rows_is_refused() -> None:
+    usual = gf.tests.Drum(diameter="10 mm")
+    faster = replace(usual, rotational_speed=4 * usual.setup.rotational_speed)
+
+    with pytest.raises(NotInAtlasError, match="rotational_speed is 4"):
+        _reading(faster).require_inside({"particle.density": 2100.0})
+
+
 @pytest.mark.parametrize("name", IN_ATLAS)
 def test_declared_options_are_those_of_the_test(name: str) -> None:
     kind = IN_ATLAS[name]

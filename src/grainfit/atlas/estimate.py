@@ -112,6 +112,8 @@ class Estimate(Summary, OneLine):
         Most probable parameters, SI.
     untold : mapping of str to str
         Why the atlas tells nothing about other targets.
+    less_sure : mapping of str to str
+        By target, which dimensions of its apparatus are beyond those of the atlas.
     chance : float
         Chance that a run at the most probable parameters has all responses.
     runs : int
@@ -128,6 +130,7 @@ class Estimate(Summary, OneLine):
     responses: tuple[EstimatedResponse, ...]
     best: Mapping[str, float]
     untold: Mapping[str, str]
+    less_sure: Mapping[str, str]
     chance: float
     runs: int
     seconds: float | None
@@ -203,6 +206,8 @@ class Estimate(Summary, OneLine):
             yield messages.MAY_FAIL(chance=100 * self.chance)
         for names, why in _by_reason(self.untold):
             yield messages.UNTOLD(responses=names, why=why)
+        for names, why in _by_reason(self.less_sure):
+            yield f"{names}: {why}"
         time = "" if self.seconds is None else f", {duration(self.seconds)} on one core"
         yield messages.TO_VERIFY(runs=self.runs, time=time)
 
@@ -269,6 +274,7 @@ def estimate_of(
         responses=responses,
         best=best,
         untold=forecast.untold,
+        less_sure=forecast.less_sure,
         chance=float(forecast.chance(top)[0]),
         runs=runs,
         seconds=_seconds(solvers, best, runs),

@@ -14,7 +14,7 @@ from grainfit.atlas.differences import REFERENCE, Difference, usual_difference
 from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.atlas.shelf import Atlas, shipped_atlas
-from grainfit.atlas.surrogate import ResponseModel
+from grainfit.atlas.surrogate import ResponseModel, clipped
 from grainfit.problem import Problem
 from grainfit.problem.parameter import Parameter
 from grainfit.problem.target import Target
@@ -47,6 +47,8 @@ class Forecast:
         The same with the targets alone that the atlas tells about; None without any.
     untold : dict of str to str
         Why the atlas tells nothing about the others, by target or curve.
+    less_sure : dict of str to str
+        By target, which dimensions of its apparatus are beyond those of the atlas.
     """
 
     def __init__(
@@ -55,6 +57,7 @@ class Forecast:
         self._atlas = atlas or shipped_atlas()
         self._parameters = problem.parameters
         self.untold: dict[str, str] = {curve.name: messages.CURVE() for curve in problem.curves}
+        self.less_sure: dict[str, str] = {}
         self._told = [
             told for scope in problem.scopes for told in self._told_of(problem, scope.name, solvers)
         ]
@@ -77,6 +80,8 @@ class Forecast:
                 self.untold[target.name] = messages.NO_RESPONSE()
             else:
                 found.append(_Told(target, response, reading, model, solvers[test]))
+                if beyond := " ".join(reading.beyond()):
+                    self.less_sure[target.name] = beyond
         return found
 
     def predict(self, points: ArrayLike) -> tuple[Array, Array]:
@@ -89,7 +94,7 @@ class Forecast:
         """
         means, variances = [], []
         for one, at, unit in self._at(points):
-            mean, variance = one.model.predict(at)
+            mean, variance = one.model.predict_beyond(at, one.reading.chosen_columns)
             if one.solver.name != REFERENCE:
                 other = self._difference(one)
                 variance = (1 + other.mean) ** 2 * variance + (other.spread * mean) ** 2
@@ -110,14 +115,21 @@ class Forecast:
         """
         means, _ = self.predict(points)
         shares = [
-            relative_scatter(one.reading.kind.responses[one.response], one.model, at)
+            relative_scatter(
+                one.reading.kind.responses[one.response],
+                one.model,
+                clipped(at, one.reading.chosen_columns),
+            )
             for one, at, _ in self._at(points)
         ]
         return np.abs(means) * np.column_stack(shares)
 
     def chance(self, points: ArrayLike) -> Array:
         """Return the chance that runs have all responses, shape (m,): the least of them."""
-        found = {id(one.model.chance): (one.model, at) for one, at, _ in self._at(points)}
+        found = {
+            id(one.model.chance): (one.model, clipped(at, one.reading.chosen_columns))
+            for one, at, _ in self._at(points)
+        }
         return np.asarray(np.min([model.chance_at(at) for model, at in found.values()], axis=0))
 
     def _at(self, points: ArrayLike) -> Iterator[tuple[_Told, Array, Array]]:

@@ -14,6 +14,10 @@ DAMPING = Message("{name} is {value:.3g}, and 0 in the atlas")
 SOFT_WALL = Message("walls are hardly stiffer than the particles, and rigid in the atlas")
 OTHER_OPTION = Message("{name} is {value}, and {usual} in the atlas for an apparatus of this size")
 OUTSIDE = Message("{name} is {value:.3g}, and in the atlas {low:.3g} to {high:.3g}")
+LESS_SURE = Message(
+    "{name} is {value:.3g} times the usual one, and {low:.3g} to {high:.3g} in the atlas: "
+    "responses are those at its end, and less sure by what the range changes."
+)
 CURVE = Message("the atlas has numbers alone, and this is a curve")
 NO_RESPONSE = Message("too few rows of the atlas have this response")
 NOTHING_TOLD = Message(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -142,16 +142,35 @@ class Reading:
     def require_inside(self, parameters: Mapping[str, float]) -> None:
         """Raise `NotInAtlasError` with the first input that lies outside of the rows.
 
-        An apparatus that is larger and particles that are stiffer follow the trend of the rows.
+        An apparatus that is larger and particles that are stiffer follow the trend of the rows;
+        what a laboratory chooses may lie beyond them (`beyond`).
         """
         values = {name: np.array([value]) for name, value in parameters.items()}
         inputs = self.inputs({**self._material, **values})
         for (name, span), at in zip(self.ranges.items(), self.shares(values)[0], strict=True):
-            if not -_SAME <= at <= span.limit + _SAME:
+            if name not in self._chosen and not -_SAME <= at <= span.limit + _SAME:
                 value = float(np.asarray(inputs[name]).flat[0])
                 raise NotInAtlasError(
                     messages.OUTSIDE(name=name, value=value, low=span.low, high=span.high)
                 )
+
+    @property
+    def _chosen(self) -> Collection[str]:
+        """Inputs that a laboratory chooses: lengths and speeds over their usual value."""
+        varied = varied_of(self.kind)
+        return [name for name in varied.factors if name not in varied.bounded]
+
+    @property
+    def chosen_columns(self) -> tuple[int, ...]:
+        """Their columns among the inputs."""
+        return tuple(index for index, name in enumerate(self.ranges) if name in self._chosen)
+
+    def beyond(self) -> Iterator[str]:
+        """Yield a sentence for every one of them that is beyond the rows."""
+        for name in self._chosen:
+            span, value = self.ranges[name], self._apparatus[name]
+            if not -_SAME <= span.share(value) <= 1 + _SAME:
+                yield messages.LESS_SURE(name=name, value=value, low=span.low, high=span.high)
 
 
 @dataclass(frozen=True)

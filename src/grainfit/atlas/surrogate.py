@@ -105,6 +105,30 @@ class ResponseModel:
             variance[beyond] += (_UNSURE_FORM * added) ** 2
         return self._in_units(found.mean, variance)
 
+    def predict_beyond(self, points: Array, columns: Sequence[int]) -> tuple[Array, Array]:
+        """Return means and variances where inputs lie beyond the rows that have no trend.
+
+        There responses are those at the end of the rows, and less sure by what they change over
+        the whole range of the input, and the errors of both its ends, times how far it is beyond,
+        in ranges.
+
+        Parameters
+        ----------
+        points : ndarray, shape (m, inputs)
+            Beyond 0 to 1 outside of the rows.
+        columns : sequence of int
+            Of these inputs.
+        """
+        inside = clipped(points, columns)
+        means, variances = self.predict(inside)
+        for column in columns:
+            excess = np.abs(points[:, column] - inside[:, column])
+            if excess.any():
+                low, of_low = self.predict(_with_column(inside, column, 0.0))
+                high, of_high = self.predict(_with_column(inside, column, 1.0))
+                variances = variances + excess**2 * ((high - low) ** 2 + of_low + of_high)
+        return means, variances
+
     def scatter(self, points: Array) -> Array:
         """Return the standard deviation from run to run, shape (m,)."""
         means = self.kriging.mean(points)
@@ -203,6 +227,19 @@ class Surrogate:
             },
             "chances": [_without_runs(chance) for chance in chances],
         }
+
+
+def clipped(points: Array, columns: Sequence[int]) -> Array:
+    """Return points of the unit cube with some inputs no farther than its ends."""
+    found = points.copy()
+    found[:, columns] = np.clip(points[:, columns], 0.0, 1.0)
+    return found
+
+
+def _with_column(points: Array, column: int, value: float) -> Array:
+    found = points.copy()
+    found[:, column] = value
+    return found
 
 
 def _has(name: str, rows: Sequence[Row]) -> NDArray[np.bool_]:

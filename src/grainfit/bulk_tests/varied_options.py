@@ -79,6 +79,8 @@ class VariedOptions(OneLine):
         Power of the size that the option follows: 3 of a volume.
     factors : mapping of str to Range
         Options over their usual value at this size.
+    bounded : tuple of str
+        Those of them that bend responses so much that nothing is told beyond their range.
     values : mapping of str to Range
         Options without a unit, as they are.
     loads : mapping of str to Range
@@ -100,6 +102,7 @@ class VariedOptions(OneLine):
     size: Range
     size_power: float = 1.0
     factors: Mapping[str, Range] = field(default_factory=dict)
+    bounded: tuple[str, ...] = ()
     values: Mapping[str, Range] = field(default_factory=dict)
     loads: Mapping[str, Range] = field(default_factory=dict)
     stiffness: Range | None = None

@@ -1,0 +1,83 @@
+"""Check the atlas beyond the rows of an apparatus: half of a range predicts the other half.
+
+For every dimension that a laboratory chooses (a fill height, an outlet), metamodels are fitted to
+the rows in one half of its range, and predict those in the other, up to a whole range beyond, by
+`ResponseModel.predict_beyond`. Then the halves change places.
+
+    python benchmarks/atlas_beyond.py [--tests heap ...]
+
+Prints a table in Markdown: rows predicted, their root mean square error, the one stated, which has
+the scatter of a run in it, and the share within the 95 % intervals.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+
+import numpy as np
+
+from grainfit.arrays import Array
+from grainfit.atlas.inputs import ranges_of, varied_of
+from grainfit.atlas.shelf import Atlas
+from grainfit.atlas.surrogate import FEWEST_ROWS, ResponseModel, points_of, row_values
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.formatting import number
+
+
+def table(atlas: Atlas, tests: list[str]) -> Iterator[str]:
+    """Yield the lines of the table."""
+    yield "| test | dimension | response | rows | RMSE | stated | inside 95 %, % |"
+    yield "|---" * 7 + "|"
+    inside: list[bool] = []
+    for test in tests:
+        varied = varied_of(bulk_tests()[test])
+        for option in [name for name in varied.factors if name not in varied.bounded]:
+            for response in atlas.require(test).models:
+                errors, stated = _errors(atlas, test, option, response)
+                if len(errors) == 0:
+                    continue
+                own = np.abs(errors) <= 1.96 * stated
+                inside += [*own]
+                yield (
+                    f"| {test} | {option} | {response} | {len(errors)} "
+                    f"| {number(float(np.sqrt(np.mean(errors**2))), 3)} "
+                    f"| {number(float(np.sqrt(np.mean(stated**2))), 3)} | {100 * own.mean():.0f} |"
+                )
+    yield f"\n{sum(inside)} of {len(inside)} ({100 * np.mean(inside):.1f} %) inside."
+
+
+def _errors(atlas: Atlas, test: str, option: str, response: str) -> tuple[Array, Array]:
+    """Return errors of the rows of either half by the other, and their standard deviations."""
+    kind, surrogate = bulk_tests()[test], atlas.require(test)
+    rows = [row for row in surrogate.rows if response in row.responses]
+    ranges = ranges_of(kind)
+    points, column = points_of(rows, ranges), list(ranges).index(option)
+    values, _ = row_values(kind, response, rows)
+    whole = surrogate.models[response]
+    errors, stated = [], []
+    for is_lower in (True, False):
+        # Either half becomes the whole range: the other lies up to one range beyond it.
+        at = points.copy()
+        at[:, column] = 2 * at[:, column] - (0 if is_lower else 1)
+        known = (at[:, column] >= 0) & (at[:, column] <= 1)
+        if known.sum() < FEWEST_ROWS or known.all():
+            continue
+        of_half = [row for row, is_known in zip(rows, known, strict=True) if is_known]
+        model = ResponseModel.fit(kind, response, at[known], of_half, whole.chance)
+        mean, variance = model.predict_beyond(at[~known], [column])
+        errors.append(values[~known] - mean)
+        stated.append(np.hypot(np.sqrt(variance), whole.scatter(points[~known])))
+    return np.concatenate([[], *errors]), np.concatenate([[], *stated])
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    atlas = Atlas()
+    parser.add_argument("--tests", nargs="+", choices=atlas.tests, default=list(atlas.tests))
+    print("\n".join(table(atlas, parser.parse_args().tests)))
+
+
+if __name__ == "__main__":
+    main()
