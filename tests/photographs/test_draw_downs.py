@@ -137,6 +137,22 @@ def test_without_wedges_there_is_no_shear_angle_and_without_a_heap_nothing(
         assert why.is_in(str(error.value))
 
 
+def test_what_hides_a_flank_and_what_is_cut_off_are_refused(tmp_path: Path) -> None:
+    whole = picture(*drawn_down(32.0, 27.0, 5), seed=5)
+    rows, columns = np.mgrid[: SIZE[1], : SIZE[0]]
+    # It was measured as 34 degrees.
+    spot = 300 * np.exp(-((columns - 360) ** 2 + (rows - 300) ** 2) / (2 * 40**2))
+    shone = np.clip(np.asarray(whole, dtype=float) + spot[..., None], 0, 255).astype(np.uint8)
+    for image, why in (
+        (Image.fromarray(shone), messages.UNEQUAL_FLANKS),
+        (whole.crop((0, 130, *SIZE)), messages.WEDGES_CUT_OFF),
+    ):
+        image.save(tmp_path / "box.png")
+        with pytest.raises(gf.NotMeasurableError) as error:
+            gf.photo(tmp_path / "box.png", "draw_down", diameter="10 mm", box="240 mm")
+        assert why.is_in(str(error.value)), str(error.value)
+
+
 BOXES = 'photos = ["box_*.png"], diameter = "10 mm"'
 
 

@@ -26,7 +26,7 @@ from grainfit.calibration_file.originals import keep_pictures
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.app import app
 from grainfit.measurement.dynamic_angles import DynamicAngles
-from grainfit.photographs import messages
+from grainfit.photographs import drum_photo, messages
 from grainfit.photographs.drum import (
     DrumSize,
     DrumStill,
@@ -37,6 +37,7 @@ from grainfit.photographs.drum import (
     measure_stills,
 )
 from grainfit.photographs.drum_circle import DrumCircle
+from grainfit.photographs.drum_photo import photo_drum
 from grainfit.photographs.drum_surface import (
     _heights,
     inclination_of,
@@ -46,7 +47,7 @@ from grainfit.photographs.drum_surface import (
 )
 from grainfit.photographs.kept import KeptPicture
 from grainfit.photographs.kept_frame import keep_frame
-from grainfit.photographs.pictures import opencv
+from grainfit.photographs.pictures import Picture, opencv
 from grainfit.photographs.rim_speed import rotational_speed
 from grainfit.report.sections.photographs.comparison import Comparison, compared
 from grainfit.report.sections.photographs.section import html_of
@@ -156,6 +157,41 @@ def test_stills_are_averaged_and_two_are_too_few(frames: Frames, tmp_path: Path)
     assert messages.FEW_STILLS.is_in(str(error.value))
 
 
+def test_stills_of_both_ways_of_turning_are_a_series_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Their inclinations were averaged with opposite signs.
+    def still(path: Path, *_: object) -> DrumStill:
+        turn = (1 if path.name.startswith("forth") else -1) * (35.0 + int(path.name[-1]) % 3) + 0.5
+        return _still(turn, 0.05 * places() * math.copysign(1, turn), path)
+
+    picture = Picture(Path(), np.zeros((9, 9, 3), np.uint8), None, 1.0)
+    monkeypatch.setattr(drum_photo, "read_picture", lambda _: picture)
+    monkeypatch.setattr(drum_photo, "measure_still", still)
+    names = [f"{way}_{number}" for way in ("forth", "back") for number in range(6)]
+    found = photo_drum([[Path(name)] for name in names], None, None, None)
+
+    assert [one.rises_right for one in found.series] == [True, False]
+    assert found.parts["dynamic_angle"]["level"] == 0.1
+    # The camera is rolled by half a degree.
+    assert found.dynamic_angle.value == pytest.approx(36 + math.degrees(math.atan(0.05)), abs=0.2)
+    with pytest.raises(gf.NotMeasurableError) as error:
+        photo_drum([[Path(name)] for name in names[:4] + names[6:8]], None, None, None)
+    assert messages.FEW_STILLS(found=2, needed=5) in str(error.value)
+
+
+def test_a_reflection_in_a_single_still_is_refused(frames: Frames) -> None:
+    # Where each picture has one elsewhere, none is seen in the mean of several.
+    rows, columns = np.mgrid[: frames[0].shape[0], : frames[0].shape[1]]
+    spot = np.hypot(columns - 112, rows - 85) < 14
+    shone = frames[0].copy()
+    shone[spot] = frames[0][180, 160]
+
+    with pytest.raises(gf.NotMeasurableError) as error:
+        measure_still(Path("shone.png"), shone, None)
+    assert messages.UNEVEN_SURFACE.is_in(str(error.value))
+
+
 def test_turning_both_ways_makes_up_for_a_camera_that_is_not_level(
     frames: Frames, tmp_path: Path
 ) -> None:
@@ -226,6 +262,11 @@ def _profile() -> NDArray[np.float64]:
     """Surface of a bed that is bent: steep in the middle, flat at its ends, in radii."""
     x = places()
     return -0.1 + 0.12 * np.tanh(3 * x)
+
+
+def _still(turn: float, heights: NDArray[np.float64], path: Path = Path()) -> DrumStill:
+    circle, black = DrumCircle((50.0, 50.0), 40.0, 40.0, 0.0), np.zeros((100, 100, 3), np.uint8)
+    return DrumStill(path, black, circle, 0.0, False, turn, np.tile(heights, (3, 1)))
 
 
 def test_the_drum_is_found_within_a_rim_that_stands_out_more(
@@ -454,11 +495,7 @@ def test_a_reflection_that_is_taken_for_a_part_of_the_bed_is_refused() -> None:
     spot = np.maximum(np.sqrt(np.maximum(0.15**2 - (places() + 0.6) ** 2, 0.0)) - 0.05, 0.0)
 
     def stills(bulge: NDArray[np.float64] | float) -> list[DrumStill]:
-        circle, black = DrumCircle((50.0, 50.0), 40.0, 40.0, 0.0), np.zeros((100, 100, 3), np.uint8)
-        return [
-            DrumStill(Path(), black, circle, 0.0, False, 35.0, np.tile(row, (3, 1)))
-            for row in _profile() + bulge + swing
-        ]
+        return [_still(35.0, row) for row in _profile() + bulge + swing]
 
     measure_stills(stills(0.0), DrumSize())
     with pytest.raises(gf.NotMeasurableError) as error:
@@ -581,13 +618,15 @@ def test_a_drum_that_turns_the_other_way_is_shown_mirrored(shot: DrumShot, tmp_p
     assert np.abs(copies[0] - copies[1]).mean() < 4 < np.abs(copies[0] - copies[1][:, ::-1]).mean()
 
 
-def test_the_faint_edge_of_a_picture_without_noise_is_a_drum() -> None:
+@pytest.mark.parametrize("noise", [0.0, 2.5])
+def test_the_faint_edge_of_a_picture_is_a_drum(noise: float) -> None:
     # As an instrument saves it: three tones, the drum hardly darker than what is around it.
     across, down = np.meshgrid(*2 * [np.arange(300) - 149.5])
     tones = np.where(np.hypot(across, down) < 148, 248, 255)
     below = down > 0.7 * across + 10
     tones = np.where(below & (np.hypot(across, down) < 148), 20, tones)
-    picture = np.repeat(tones[..., None].astype(np.uint8), 3, axis=2)
+    noisy = tones[..., None] + np.random.default_rng(0).normal(0, noise, (300, 300, 3))
+    picture = np.clip(noisy, 0, 255).astype(np.uint8)
 
     still = measure_still(Path("plain.png"), picture, None)
     bed = PhotographedBed(still.turn, still.heights[:1], DrumSize())

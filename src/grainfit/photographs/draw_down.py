@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from grainfit.measurement.inclination import (
     inclination_of_pile,
     inclination_of_wedges,
 )
+from grainfit.messages import Message
 from grainfit.photographs import messages
 from grainfit.photographs.heap import particle_in
 from grainfit.photographs.pictures import Picture, opencv
@@ -25,9 +28,13 @@ from grainfit.photographs.separation import separate
 
 Mask = NDArray[np.bool_]
 
+_REPOSE, _SHEAR = "angle_of_repose", "shear_angle"
+
 #: Steps of lightness and of both hues, and least ratio of the frequencies of a colour in the heap
-#: and beside it, from which it is that of the material.
-_STEPS, _RATIO = (16, 24, 24), 3.0
+#: and beside it, from which it is that of the material; and others at which it may be.
+_STEPS, _RATIO, _RATIOS = (16, 24, 24), 3.0, (1.5, 6.0)
+#: How far the angles at these may be apart, and the two flanks of one draw-down, degrees.
+_APART, _UNEQUAL = 1.5, 4.0
 #: Least area of a wedge, over that of the heap.
 _WEDGE = 0.02
 #: Columns at the ends of a wedge, over its width, in which its lower edge is not that of the shelf.
@@ -90,59 +97,136 @@ def measure_draw_down(picture: Picture, diameters: float | None = None) -> DrawD
         There is no heap with two flanks, and why.
     """
     rough = separate(picture.colours).mask()
-    material = _material(picture.colours, rough)
-    overlap = np.bincount(material[rough])
-    heap = material == int(overlap[1:].argmax()) + 1 if len(overlap) > 1 else rough
-    columns = np.flatnonzero(heap.any(axis=0))
-    floor = float(np.median(_lower(heap, columns)))
-    axis = _axis(heap, floor)
-    no_wedges = ""
-    wedges: tuple[Mask, ...] = ()
-    try:
-        wedges = _wedges(material, heap, axis)
-    except NotMeasurableError as error:
-        no_wedges = str(error)
-        if diameters is not None:
-            raise
-    diameter, unsure = particle_in(heap), _SIZE
+    _require_whole(rough)
+    ratios = _ratios(picture.colours, rough)
+    seen = _seen_at(ratios, rough, _RATIO)
+    if diameters is not None and seen.no_wedges:
+        raise NotMeasurableError(seen.no_wedges)
+    diameter, unsure = particle_in(seen.heap), _SIZE
     if diameters is not None:
-        between = np.flatnonzero(np.any(wedges, axis=0).any(axis=0))
+        between = np.flatnonzero(np.any(seen.wedges, axis=0).any(axis=0))
         diameter, unsure = float(np.ptp(between) + 1) / diameters, _KNOWN_SIZE
+    others = [_seen_at(ratios, rough, ratio).beds(diameter) for ratio in _RATIOS]
     angles, parts = {}, {}
     lines: list[Array] = []
-
-    def keep(
-        name: str, measure: Callable[[float], Inclination], middle: float, base: float
-    ) -> None:
-        found = measure(diameter)
-        sizes = [measure(factor * diameter).value for factor in (1 - unsure, 1 + unsure)]
+    no_wedges = seen.no_wedges
+    for name, bed in seen.beds(diameter).items():
+        try:
+            found = bed.measure(diameter)
+            _require_alike(found)
+            outline = _unsure_outline(found, name, others, diameter)
+            parts[name] = {**_parts(bed, found, diameter, unsure), "outline": outline}
+        except NotMeasurableError as error:
+            if name == _REPOSE:
+                raise
+            no_wedges = messages.NO_SHEAR_ANGLE(reason=error)
+            continue
         angles[name] = found.value
-        # A surface that is seen from above or from below looks flatter: tan a' = tan a cos e.
-        tangent = math.tan(math.radians(found.value)) / math.cos(math.radians(_ELEVATION))
-        parts[name] = {
-            "flanks": found.standard_error,
-            "particle size": float(np.ptp([*sizes, found.value])) / 2,
-            "elevation": math.degrees(math.atan(tangent)) - found.value,
-            "picture": _PICTURE,
-        }
+        lines += bed.lines(found, diameter)
+    masks = (seen.heap, *seen.wedges)
+    return DrawDownInPicture(picture, angles, parts, masks, tuple(lines), no_wedges)
+
+
+class _Bed(NamedTuple):
+    """A surface whose inclination is measured: that of the heap, or that of both wedges.
+
+    Parameters
+    ----------
+    measure : callable
+        Measures it, with a particle diameter in pixels.
+    middle, base : float
+        Column and row of the origin of its places.
+    """
+
+    measure: Callable[[float], Inclination]
+    middle: float
+    base: float
+
+    def lines(self, found: Inclination, diameter: float) -> list[Array]:
+        """Return its fitted flanks, columns and rows."""
+        lines = []
         for flank in found.flanks:
             ends = np.array([flank.start, flank.end])
-            rows = base - ends[:, 1] - _ABOVE * diameter
-            lines.append(np.column_stack([middle + ends[:, 0], rows]))
+            rows = self.base - ends[:, 1] - _ABOVE * diameter
+            lines.append(np.column_stack([self.middle + ends[:, 0], rows]))
+        return lines
 
-    surface = _surface((heap,), axis, lambda _: floor, diameter)
-    keep("angle_of_repose", lambda d: inclination_of_pile(surface, d), axis, floor)
-    if wedges:
-        shelf, (low, high) = _shelf(wedges)
-        middle = (low + high) / 2
-        above = _surface(wedges, middle, shelf, diameter)
-        base = float(shelf(np.array([middle]))[0])
-        try:
-            keep("shear_angle", lambda d: inclination_of_wedges(above, high - low, d), middle, base)
-        except NotMeasurableError as error:
-            no_wedges = messages.NO_SHEAR_ANGLE(reason=error)
-    masks = (heap, *wedges)
-    return DrawDownInPicture(picture, angles, parts, masks, tuple(lines), no_wedges)
+
+@dataclass(frozen=True)
+class _Seen:
+    """Heap and wedges where colours from some ratio of frequencies on are those of the material."""
+
+    heap: Mask
+    wedges: tuple[Mask, ...]
+    no_wedges: str
+
+    @cached_property
+    def floor(self) -> float:
+        """Row of the floor."""
+        return float(np.median(_lower(self.heap, np.flatnonzero(self.heap.any(axis=0)))))
+
+    def beds(self, diameter: float) -> dict[str, _Bed]:
+        """Return the surfaces by the angles that they have; of the wedges where they are seen."""
+        axis = _axis(self.heap, self.floor)
+        pile = _surface((self.heap,), axis, lambda _: self.floor, diameter)
+        beds = {_REPOSE: _Bed(lambda d: inclination_of_pile(pile, d), axis, self.floor)}
+        if self.wedges:
+            shelf, (low, high) = _shelf(self.wedges)
+            middle = (low + high) / 2
+            above = _surface(self.wedges, middle, shelf, diameter)
+            base = float(shelf(np.array([middle]))[0])
+            beds[_SHEAR] = _Bed(lambda d: inclination_of_wedges(above, high - low, d), middle, base)
+        return beds
+
+
+def _seen_at(ratios: Array, rough: Mask, least: float) -> _Seen:
+    """Return heap and wedges where a ratio is at least so much."""
+    material = _labels(ratios > least, rough)
+    overlap = np.bincount(material[rough])
+    heap = material == int(overlap[1:].argmax()) + 1 if len(overlap) > 1 else rough
+    _require_whole(heap)
+    floor = float(np.median(_lower(heap, np.flatnonzero(heap.any(axis=0)))))
+    try:
+        return _Seen(heap, _wedges(material, heap, _axis(heap, floor)), "")
+    except NotMeasurableError as error:
+        return _Seen(heap, (), str(error))
+
+
+def _parts(bed: _Bed, found: Inclination, diameter: float, unsure: float) -> dict[str, float]:
+    """Return standard uncertainties of an angle by their source, degrees."""
+    sizes = [bed.measure(factor * diameter).value for factor in (1 - unsure, 1 + unsure)]
+    # A surface that is seen from above or from below looks flatter: tan a' = tan a cos e.
+    tangent = math.tan(math.radians(found.value)) / math.cos(math.radians(_ELEVATION))
+    return {
+        "flanks": found.standard_error,
+        "particle size": float(np.ptp([*sizes, found.value])) / 2,
+        "elevation": math.degrees(math.atan(tangent)) - found.value,
+        "picture": _PICTURE,
+    }
+
+
+def _unsure_outline(
+    found: Inclination, name: str, others: Sequence[dict[str, _Bed]], diameter: float
+) -> float:
+    """Standard uncertainty of an angle by which colours are those of the material, degrees."""
+    angles = [found.value]
+    angles += [beds[name].measure(diameter).value for beds in others if name in beds]
+    if np.ptp(angles) > _APART:
+        raise NotMeasurableError(messages.UNSURE_OUTLINE(low=min(angles), high=max(angles)))
+    return float(np.ptp(angles)) / 2
+
+
+def _require_alike(found: Inclination) -> None:
+    """Raise `NotMeasurableError` if the two flanks are not those of one draw-down."""
+    low, high = sorted(flank.angle for flank in found.flanks)
+    if high - low > _UNEQUAL:
+        raise NotMeasurableError(messages.UNEQUAL_FLANKS(low=low, high=high, most=_UNEQUAL))
+
+
+def _require_whole(mask: Mask, said: Message = messages.CUT_OFF) -> None:
+    inner = mask[1:-1, 1:-1]
+    if inner.sum() < mask.sum():
+        raise NotMeasurableError(said())
 
 
 def _lower(mask: Mask, columns: NDArray[np.int64]) -> Array:
@@ -178,14 +262,13 @@ def _surface(
     return HeightMap(heights[None], x - middle, _DEPTH * diameter)
 
 
-def _material(colours: NDArray[np.uint8], heap: Mask) -> NDArray[np.int32]:
-    """Label the parts of the picture that have the colours of a heap, not those beside it."""
+def _ratios(colours: NDArray[np.uint8], heap: Mask) -> Array:
+    """Return how much more frequent the colours of a picture are in a heap than beside it."""
     cv2 = opencv()
     lab = cv2.cvtColor(cv2.GaussianBlur(colours, (0, 0), 1.0), cv2.COLOR_RGB2LAB)
     steps = [(lab[..., k].astype(np.int64) * n) // 256 for k, n in enumerate(_STEPS)]
     cells = np.ravel_multi_index(tuple(steps), _STEPS)
-    size = 2 * max(1, round(particle_in(heap) / 4)) + 1
-    shape = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    shape = _grain(heap)
     top = int(np.flatnonzero(heap.any(axis=1))[0])
     inside = cv2.erode(heap.astype(np.uint8), shape) > 0
     beside = ~(cv2.dilate(heap.astype(np.uint8), shape, iterations=2) > 0)
@@ -195,11 +278,24 @@ def _material(colours: NDArray[np.uint8], heap: Mask) -> NDArray[np.int32]:
         counts = np.bincount(cells[where], minlength=math.prod(_STEPS)).reshape(_STEPS)
         smooth = ndimage.gaussian_filter(counts.astype(float), 0.7)
         frequencies.append(smooth / max(smooth.sum(), 1.0) + 1e-5)
-    like = (frequencies[0] > _RATIO * frequencies[1]).ravel()[cells].astype(np.uint8)
-    closed = cv2.morphologyEx(like, cv2.MORPH_CLOSE, shape)
+    found: Array = (frequencies[0] / frequencies[1]).ravel()[cells]
+    return found
+
+
+def _labels(material: Mask, heap: Mask) -> NDArray[np.int32]:
+    """Label the connected parts of material, without gaps and specks smaller than particles."""
+    cv2, shape = opencv(), _grain(heap)
+    closed = cv2.morphologyEx(material.astype(np.uint8), cv2.MORPH_CLOSE, shape)
     opened = cv2.morphologyEx(closed, cv2.MORPH_OPEN, shape)
     labels: NDArray[np.int32] = cv2.connectedComponents(opened, connectivity=4)[1]
     return labels
+
+
+def _grain(heap: Mask) -> NDArray[np.uint8]:
+    """Return a disc of about half a particle diameter."""
+    size = 2 * max(1, round(particle_in(heap) / 4)) + 1
+    found: NDArray[np.uint8] = opencv().getStructuringElement(opencv().MORPH_ELLIPSE, (size, size))
+    return found
 
 
 def _wedges(parts: NDArray[np.int32], heap: Mask, axis: float) -> tuple[Mask, ...]:
@@ -220,6 +316,8 @@ def _wedges(parts: NDArray[np.int32], heap: Mask, axis: float) -> tuple[Mask, ..
             sides[int(np.nonzero(mask)[1].mean() > axis)].append(mask)
     if any(len(side) != 1 for side in sides):
         raise NotMeasurableError(messages.NO_WEDGES(left=len(sides[0]), right=len(sides[1])))
+    for side in sides:
+        _require_whole(side[0], messages.WEDGES_CUT_OFF)
     return sides[0][0], sides[1][0]
 
 

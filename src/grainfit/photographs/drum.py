@@ -44,8 +44,9 @@ FEWEST_FRAMES, FEWEST_STILLS = 8, 5
 _LEARNT = 12
 #: The surface is also taken where colours are so much more, or less, those of the bed.
 _LEVELS = (0.0, -0.5, 0.5)
-#: Largest standard uncertainty of the dynamic angle by where the surface is, degrees.
-_UNSURE = 1.0
+#: Largest standard uncertainty of the dynamic angle by where the surface is, degrees; and in one
+#: picture alone, which shows fewer of the bed's colours.
+_UNSURE, _UNSURE_IN_ONE = 1.0, 2.5
 #: The outline of a bed is that of its highest particles over the length of the drum, a simulated
 #: surface the mean of all: by so much an angle of the outline is less, degrees for a roughness of
 #: the outline of one radius, and its standard deviation (7 simulated drums of 8 to 14 particle
@@ -63,8 +64,9 @@ _PERSPECTIVE = 0.5
 #: Share of the radius to both sides of the middle in which the roughness is taken.
 _ROUGH = 0.6
 #: Farthest that the mean surface may be from a smooth one, in radii, and in roughnesses of the
-#: outline over the root of the number of frames if these are more.
-_UNEVEN, _PARTICLES = 0.08, 8.0
+#: outline over the root of the number of frames if these are more; and in one picture alone, in
+#: which an avalanche that is on its way bends the surface by up to five.
+_UNEVEN, _PARTICLES, _PARTICLES_IN_ONE = 0.08, 8.0, 6.0
 #: A bed whose inclination scatters by less, degrees, stands still.
 _STILL = 0.03
 #: Steepest bed, degrees.
@@ -298,7 +300,12 @@ def measure_still(path: Path, colours: Colours, focal: float | None) -> DrumStil
     known, circle = _bed_of([colours])
     level, by_sheet = _level_of(colours, circle, focal)
     heights = known.heights(colours, circle, _LEVELS)
-    return DrumStill(path, colours, circle, level, by_sheet, known.inclination - level, heights)
+    turn = known.inclination - level
+    beds, _ = _beds(turn, heights[None], DrumSize())
+    _require_flowing(beds[0])
+    _require_smooth(beds[0])
+    _require_sure([float(bed.inclinations[0]) for bed in beds], _UNSURE_IN_ONE)
+    return DrumStill(path, colours, circle, level, by_sheet, turn, heights)
 
 
 def measure_stills(stills: Sequence[DrumStill], size: DrumSize) -> DrumSeries:
@@ -405,18 +412,30 @@ def _beds(turn: float, heights: Array, size: DrumSize) -> tuple[list[Photographe
     return [PhotographedBed(turn, level, size) for level in by_level], rises_right
 
 
-def _require_turning(bed: PhotographedBed, speed: Response | None) -> None:
+def _require_flowing(bed: PhotographedBed) -> None:
     if bed.turn > _STEEPEST:
         raise NotMeasurableError(messages.TURNS_OVER(angle=bed.turn))
+
+
+def _require_turning(bed: PhotographedBed, speed: Response | None) -> None:
+    _require_flowing(bed)
     if speed is None and float(bed.inclinations.std()) < _STILL:
         raise NotMeasurableError(messages.STILL_DRUM())
 
 
 def _require_smooth(bed: PhotographedBed) -> None:
-    particles = _PARTICLES * bed.roughness / math.sqrt(len(bed.heights))
+    count = len(bed.heights)
+    share = _PARTICLES / math.sqrt(count) if count > 1 else _PARTICLES_IN_ONE
+    particles = share * bed.roughness
     found, most = unevenness(bed.heights), max(_UNEVEN, particles)
     if found > most:
         raise NotMeasurableError(messages.UNEVEN_SURFACE(share=100 * found, most=100 * most))
+
+
+def _require_sure(angles: Sequence[float], most: float = _UNSURE) -> None:
+    """Raise `NotMeasurableError` if the dynamic angle hangs on where the surface is taken to be."""
+    if np.ptp(angles) / 2 > most:
+        raise NotMeasurableError(messages.UNSURE_SURFACE(low=min(angles), high=max(angles)))
 
 
 def _corrected(found: DynamicAngles[PhotographedBed]) -> dict[str, Response]:
@@ -434,10 +453,8 @@ def _unsure(found: Sequence[DynamicAngles[PhotographedBed]]) -> dict[str, dict[s
         {name: flank.angle for name, flank in one.flanks().items()} | {"dynamic_angle": one.mean}
         for one in found
     ]
+    _require_sure([one["dynamic_angle"] for one in values])
     spread = {name: np.ptp([one[name] for one in values]) / 2 for name in values[0]}
-    if spread["dynamic_angle"] > _UNSURE:
-        several = [one["dynamic_angle"] for one in values]
-        raise NotMeasurableError(messages.UNSURE_SURFACE(low=min(several), high=max(several)))
     rough = found[0].bed.roughness
     unsure = {
         name: {"surface": float(spread[name]), "particles": rough * _HIGHEST[name][1]}

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -32,6 +33,8 @@ _LEVEL, _BY_SHEET, _BOTH_WAYS = 0.5, 0.2, 0.1
 #: Standard uncertainties of angles by pixels, lens, compression and circle, degrees: what is left
 #: of the errors on the first rendered videos of `benchmarks/photographed_drums.py`.
 _PICTURE = {"dynamic_angle": 0.6, "surface_angle": 0.9, "upper_angle": 1.0, "lower_angle": 1.2}
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -198,9 +201,8 @@ def measure_series(
     of_one = [[path for path in single if not is_video(path)]]
     of_one += [[path for path in group if not is_video(path)] for group in groups if group[1:]]
     for paths in filter(None, of_one):
-        stills = _stills(paths, refused)
-        if stills:
-            kept(paths[0], lambda stills=stills: measure_stills(stills, size))  # type: ignore[misc]
+        for way in _by_way(_stills(paths, refused), lambda one: one.turn > 0):
+            kept(way[0].path, lambda way=way: measure_stills(way, size))  # type: ignore[misc]
     return series, refused
 
 
@@ -235,10 +237,14 @@ def _stills(paths: Sequence[Path], refused: dict[Path, str]) -> list[DrumStill]:
     return found
 
 
-def _ways(series: Sequence[DrumSeries]) -> list[list[DrumSeries]]:
-    """Return the series of each way in which the drum turns."""
-    ways = [[one for one in series if one.rises_right == right] for right in (True, False)]
+def _by_way(found: Sequence[Found], rises_right: Callable[[Found], bool]) -> list[list[Found]]:
+    """Return what was found of each way in which the drum turns."""
+    ways = [[one for one in found if rises_right(one) == right] for right in (True, False)]
     return [way for way in ways if way]
+
+
+def _ways(series: Sequence[DrumSeries]) -> list[list[DrumSeries]]:
+    return _by_way(series, lambda one: one.rises_right)
 
 
 def _mean(name: str, series: Sequence[DrumSeries]) -> float:

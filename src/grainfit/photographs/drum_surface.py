@@ -371,12 +371,12 @@ def _require_surface(known: BedColours, frames: Sequence[Colours], circle: DrumC
         above = rows - _heights(likely)
         middle = inside & (np.abs(places()) < 0.8)
         under, over = middle & (above < -0.02) & (above > -0.1), middle & (above > 0.02)
-        near = over & (above < 0.1)
-        if min(under.sum(), near.sum()) < 100:
+        near, below = over & (above < 0.1), deep & (above < -0.02)
+        if min(under.sum(), near.sum(), below.sum()) < 100:
             raise NotMeasurableError(messages.NO_SURFACE())
         steps.append(float(likely[under].mean() - likely[near].mean()))
         specks.append(float((likely[over] > 0).mean()))
-        holes.append(float((likely[deep & (above < -0.02)] < 0).mean()))
+        holes.append(float((likely[below] < 0).mean()))
     if np.median(steps) < _CONTRAST:
         shown = messages.SURFACE_WITHOUT_CONTRAST(found=np.median(steps), needed=_CONTRAST)
         raise NotMeasurableError(shown)

@@ -166,8 +166,8 @@ FEW_FRAMES = Message(
     "there are {found} frames, and {needed} are needed.", "Film some avalanches, or several turns."
 )
 FEW_STILLS = Message(
-    "there are {found} pictures of the turning drum that can be measured, and {needed} are needed "
-    "for a mean.",
+    "there are {found} pictures of the drum turning one way that can be measured, and {needed} are "
+    "needed for a mean.",
     "Take more, some seconds apart, or a video.",
 )
 SHORT_VIDEO = Message(
@@ -212,6 +212,14 @@ NO_SHEAR_ANGLE = Message(
     "the wedges have no angle: {reason}",
     "If the particles are smaller, give their diameter and the width of the box (--diameter, "
     "--box).",
+)
+WEDGES_CUT_OFF = Message(
+    "a wedge is cut off by the edge of the picture.", "Photograph the whole box."
+)
+UNEQUAL_FLANKS = Message(
+    "its two flanks are inclined by {low:.1f} and {high:.1f} degrees, and may be {most:g} apart: a "
+    "reflection hides one, particles stick to the glass, or the slot did not open evenly.",
+    "Clean the glass, avoid reflections, and look at the overlay.",
 )
 BOX_AND_DIAMETER = Message(
     "is of use with the other only.",
