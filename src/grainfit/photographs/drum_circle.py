@@ -45,6 +45,9 @@ _RAYS = 360
 #: Share of a small circle that is seen if it is a drum; and of those about one middle, over that
 #: of the one of which most is seen.
 _CLEAR, _AS_CLEAR = 0.9, 0.8
+#: Noise is averaged over pixels as near as this, of colours as near as this (0 to 255), by weights
+#: of this width; and the share of a circle that is seen then if it is a drum.
+_NOISE, _SEEN_WITHOUT = (9, 12.0, 3.0), 0.8
 #: A camera is steady if an edge is seen on the circle in all frames nearly as much as in any.
 _STEADY = 0.75
 
@@ -133,16 +136,10 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
     NotMeasurableError
         There is none, and why.
     """
-    smooth = _smooth(colours)
-    slopes = _slopes(smooth)
-    circles: list[tuple[float, DrumCircle]] = []
-    for guess in _guesses(colours):
-        seen, circle = _refined(smooth, _nearest(slopes, guess))
-        if circle is None:
-            continue
-        same = [other for other in circles if circle.is_as(other[1], 0.03)]
-        if all(other[0] < seen for other in same):
-            circles = [other for other in circles if other not in same] + [(seen, circle)]
+    circles = _seen_in(colours)
+    if not circles:
+        # Noise hides a faint edge.
+        circles = [one for one in _seen_in(_without_noise(colours)) if one[0] > _SEEN_WITHOUT]
     if not circles:
         raise NotMeasurableError(messages.NO_DRUM())
     # A drum and its rim are about one middle.
@@ -166,6 +163,28 @@ def circles_in(colours: Colours) -> list[DrumCircle]:
     return found
 
 
+def _seen_in(colours: Colours) -> list[tuple[float, DrumCircle]]:
+    """Return the different circles of a picture, each with the share of it that is seen."""
+    smooth = _smooth(colours)
+    slopes = _slopes(smooth)
+    circles: list[tuple[float, DrumCircle]] = []
+    for guess in _guesses(colours):
+        seen, circle = _refined(smooth, _nearest(slopes, guess))
+        if circle is None:
+            continue
+        same = [other for other in circles if circle.is_as(other[1], 0.03)]
+        if all(other[0] < seen for other in same):
+            circles = [other for other in circles if other not in same] + [(seen, circle)]
+    return circles
+
+
+def _without_noise(colours: Colours) -> Colours:
+    """Return a picture without the noise of the camera: areas are plain, edges stay."""
+    cv2 = opencv()
+    found: Colours = cv2.bilateralFilter(cv2.medianBlur(colours, 3), *_NOISE)
+    return found
+
+
 def _of_shape(circle: DrumCircle, best: DrumCircle) -> DrumCircle:
     """Return a circle of the same size that is seen as obliquely as the clearest one.
 
@@ -181,8 +200,12 @@ def is_steady(circle: DrumCircle, frames: Sequence[Colours]) -> bool:
     shifts = np.array([-1.0, 0.0, 1.0]) * _STEPS[0] * circle.half
     x, y, r = np.meshgrid(shifts, shifts, shifts, indexing="ij")
     places = (circle.middle[0] + x, circle.middle[1] + y, circle.half + r)
-    seen = [float(_shares(_slopes(_smooth(frame)), *places).max()) for frame in frames]
-    return min(seen) > _STEADY * max(seen)
+
+    def is_seen_alike(some: Sequence[Colours]) -> bool:
+        seen = [float(_shares(_slopes(_smooth(frame)), *places).max()) for frame in some]
+        return min(seen) > _STEADY * max(seen)
+
+    return is_seen_alike(frames) or is_seen_alike([_without_noise(frame) for frame in frames])
 
 
 def _smooth(colours: Colours) -> Floats:
