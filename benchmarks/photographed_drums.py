@@ -2,9 +2,10 @@
 
 Beds of rough and smooth spheres in drums of 8 to 16 particle diameters in radius, with and without
 end caps, seen up to 8 degrees beside the axis, with perspective, uneven light, reflections in the
-glass, blur, noise, and the compression of the video; and videos that no one can measure. The drums
-are simulated once, with LAMMPS, and kept in the folder ``--drums``; finished videos are kept in the
-file ``--kept``. The command can be stopped and started again.
+glass, blur, noise, and the compression of the video; the same drums turning
+the other way before the same camera; and videos that no one can measure. The drums are simulated
+once, with LAMMPS, and kept in the folder ``--drums``; finished videos are kept in the file
+``--kept``. The command can be stopped and started again.
 
     python benchmarks/photographed_drums.py --drums DIR --kept FILE [--videos 60] [--unusable 24]
         [--first 1000] [--table]
@@ -21,6 +22,7 @@ import math
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -109,33 +111,37 @@ def simulated(number: int, folder: Path) -> Simulated:
 
 
 def record_of(number: int, good: bool, drums: Path) -> dict[str, Any]:
-    """Render and measure once."""
+    """Render and measure once; usable drums once more, turning the other way before the camera."""
     drum = number % len(DRUMS)
     turning = simulated(drum, drums)
     record: dict[str, Any] = {"number": number, "good": good, "drum": drum}
-    level = None
-    if good:
-        shot, level = usable_drum(turning, number, _SIZE)
-        flanks = DrumAngles(turning.bed).flanks()
-        record["true"] = {name: flank.angle for name, flank in flanks.items()}
-        record["speed"] = shot.step / shot.interval if shot.mark is not None else None
-    else:
-        shot = unusable_drum(turning, number, _SIZE)
+    if not good:
         record["kind"] = UNUSABLE[number % len(UNUSABLE)]
+        return record | _measured(unusable_drum(turning, number, _SIZE), None)
+    shot, level = usable_drum(turning, number, _SIZE)
+    flanks = DrumAngles(turning.bed).flanks()
+    record["true"] = {name: flank.angle for name, flank in flanks.items()}
+    record["speed"] = shot.step / shot.interval if shot.mark is not None else None
+    record["by roll"] = shot.roll if shot.mirrored else -shot.roll
+    back = replace(shot, mirrored=not shot.mirrored)
+    return record | _measured(shot, level) | {"back": _measured(back, level)}
+
+
+def _measured(shot: DrumShot, level: float | None) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "drum.mp4"
         save_video(shot, path)
         try:
             found = photo(path, "drum", level=level, **_known(shot))
         except NotMeasurableError as error:
-            return record | {"refused": str(error).partition(".mp4: ")[2]}
+            return {"refused": str(error).partition(".mp4: ")[2]}
     # The same frames are compared: that there are others does not matter.
     unsure = {
         name: math.sqrt(sum(part**2 for source, part in parts.items() if source != "over time"))
         for name, parts in found.parts.items()
     }
     speed = found.rotational_speed
-    return record | {
+    return {
         "angles": {name: value.value for name, value in found.responses.items()},
         "uncertainties": unsure,
         "parts": found.parts,
@@ -164,6 +170,10 @@ def table(records: list[dict[str, Any]]) -> Iterator[str]:
             f"{np.quantile(np.abs(errors), 0.95):.2f}° | {errors.mean():+.2f}° | "
             f"{100 * np.mean(np.abs(errors) < _COVER * stated):.0f} % |"
         )
+    yield from _within("one way", [_error(r, r) for r in measured])
+    yield from _within("level known", [_error(r, r) - r["by roll"] for r in measured])
+    both = [r for r in measured if "angles" in r.get("back", {})]
+    yield from _within("both ways", [(_error(r, r) + _error(r, r["back"])) / 2 for r in both])
     yield f"\nrefused: {len(good) - len(measured)} of {len(good)} usable videos"
     reasons = Counter(r["refused"][:60] for r in good if "refused" in r)
     yield from (f"  {count} x {reason}..." for reason, count in reasons.most_common())
@@ -179,6 +189,21 @@ def table(records: list[dict[str, Any]]) -> Iterator[str]:
     for kind in UNUSABLE:
         some = [r for r in records if r.get("kind") == kind]
         yield f"{kind}: {sum('refused' in r for r in some)} of {len(some)} refused"
+
+
+def _error(record: dict[str, Any], measured: dict[str, Any]) -> float:
+    """Error of the dynamic angle, degrees."""
+    return float(measured["angles"]["dynamic_angle"] - record["true"]["dynamic_angle"])
+
+
+def _within(name: str, errors: list[float]) -> Iterator[str]:
+    """Yield a line on errors of the dynamic angle."""
+    sizes = np.abs(errors)
+    if len(sizes):
+        yield (
+            f"{name}: {(sizes <= 0.5).sum()} of {len(sizes)} within 0.5°, root mean square "
+            f"{np.sqrt((sizes**2).mean()):.2f}°, largest {sizes.max():.2f}°"
+        )
 
 
 def main() -> None:
