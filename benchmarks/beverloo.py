@@ -1,9 +1,10 @@
 """Check Beverloo's law: discharge through slots of several widths.
 
-    python benchmarks/beverloo.py --solver lammps --slots 5 6.5 8 --seeds 3
+    python benchmarks/beverloo.py --solver lammps --slots 5 6.5 8 --seeds 3 [--law own]
 
 Fits ``flow = C rho_b sqrt(g) depth (W - k d)^n`` to the mass flows: the exponent n with the k
-given, and, with n = 3/2, the k and C of the straight line through ``flow^(2/3)`` over W.
+given, and, with n = 3/2, the k and C of the straight line through ``flow^(2/3)`` over W. The law
+``new`` is that with which ``grainfit new`` begins.
 
 References
 ----------
@@ -17,6 +18,7 @@ import json
 import math
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -25,18 +27,21 @@ from grainfit.bulk_tests.discharge import Discharge
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_SPHERES
+from new_law import LAWS, NEW, OWN, material_of_new
 
 #: Particle diameter, m.
 DIAMETER = 0.010
 
 
-def run(solver: str, slot: float, seed: int, depth: float) -> tuple[float, float]:
+def run(
+    solver: str, slot: float, seed: int, depth: float, material: Mapping[str, float]
+) -> tuple[float, float]:
     """Return mass flow, kg/s, and bulk density, kg/m^3, of one run; lengths in diameters."""
     test = Discharge(
         diameter=DIAMETER, slot_width=slot * DIAMETER, depth=depth * DIAMETER, width=18 * DIAMETER
     )
     with tempfile.TemporaryDirectory() as folder:
-        responses = DEM_PROGRAMS[solver](test, ROUGH_SPHERES).run({}, seed, Workspace(Path(folder)))
+        responses = DEM_PROGRAMS[solver](test, material).run({}, seed, Workspace(Path(folder)))
     flow, density = responses["mass_flow"].value, responses["bulk_density"].value
     print(f"slot {slot:g} d, seed {seed}: {flow:.4g} kg/s", file=sys.stderr, flush=True)
     return flow, density
@@ -50,9 +55,11 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--depth", type=float, default=5.0, help="in diameters")
     parser.add_argument("--k", type=float, default=1.5, help="for the fit of the exponent")
+    parser.add_argument("--law", default=OWN, choices=LAWS)
     given = parser.parse_args()
+    material = material_of_new() if given.law == NEW else ROUGH_SPHERES
     found = [
-        (slot, *run(given.solver, slot, seed, given.depth))
+        (slot, *run(given.solver, slot, seed, given.depth, material))
         for slot in given.slots
         for seed in range(1, given.seeds + 1)
     ]

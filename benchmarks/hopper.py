@@ -4,11 +4,12 @@ Finished runs are kept in the file ``--kept`` and not repeated, so that the comm
 and started again.
 
     python benchmarks/hopper.py --kept benchmarks/data/hopper.jsonl [--seeds 3]
-        [--solvers lammps] [--table]
+        [--solvers lammps] [--half-angles 30 90] [--law own] [--table]
 
 The first two tables are flat-bottomed vessels of three outlets each: the exponent n of
 ``flow = C rho_b sqrt(g) ... (W - k d)^n`` with k = 1.5, and C and k with n = 5/2 (round) or 3/2
 (slot). The third has the flow over the half angle of a cone and a wedge, over that of a flat floor.
+The law ``new`` is that with which ``grainfit new`` begins.
 
 References
 ----------
@@ -19,7 +20,8 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,9 +29,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from grainfit.bulk_tests.hopper import Hopper
+from grainfit.bulk_tests.time_steps import safe_time_step_fraction
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import ROUGH_SPHERES
 from kept_runs import mean_and, measure, read, scatter, simulate
+from new_law import LAWS, NEW, OWN, material_of_new
 
 DIAMETER, GRAVITY = 0.010, 9.81
 #: Outlets in diameters, and the one of all half angles in degrees.
@@ -38,8 +42,6 @@ OUTLETS, OUTLET, HALF_ANGLES = (5.0, 6.5, 8.0), 6.0, (15.0, 30.0, 45.0, 60.0, 90
 FLAT_WIDTH, FLAT_HEIGHT = {"round": 18.0, "slot": 24.0}, {"round": 15.0, "slot": 24.0}
 #: Width of the vessels of all half angles, height of the bed above the slope, depth of a slot.
 WIDTH, HEIGHT, DEPTH = 15.0, 10.0, 6.0
-#: Share of the Rayleigh time step that is safe for spheres that are as soft.
-TIME_STEP = 0.19
 #: k of the fit of the exponent, and the exponents of the law.
 K, EXPONENTS = 1.5, {"round": 2.5, "slot": 1.5}
 #: Rolling dashpots differ between programs: without them they have one law.
@@ -58,6 +60,7 @@ class Run(NamedTuple):
     outlet: float
     half_angle: float
     width: float
+    law: str
 
 
 def record_of(run: Run) -> dict[str, Any]:
@@ -71,19 +74,20 @@ def record_of(run: Run) -> dict[str, Any]:
     else:
         slope = (run.width - run.outlet) / 2 / math.tan(math.radians(run.half_angle))
         options["fill_height"] = (slope + HEIGHT) * DIAMETER
-    options["time_step_fraction"] = TIME_STEP
+    material = material_of_new() if run.law == NEW else MATERIAL
     width = run.width * DIAMETER
     test = Hopper(diameter=DIAMETER, orifice=run.orifice, width=width, **options)
-    return simulate(DEM_PROGRAMS[run.solver](test, MATERIAL), run.seed)
+    test = replace(test, time_step_fraction=safe_time_step_fraction(test, material))
+    return simulate(DEM_PROGRAMS[run.solver](test, material), run.seed)
 
 
-def runs_of(solvers: list[str], seeds: int) -> list[Run]:
+def runs_of(solvers: list[str], seeds: int, half_angles: Sequence[float], law: str) -> list[Run]:
     """Return all runs, those of the first seed first."""
     found = []
     for seed, orifice, solver in product(range(1, seeds + 1), EXPONENTS, solvers):
         start = (solver, seed, orifice)
-        found += [Run(*start, outlet, 90.0, FLAT_WIDTH[orifice]) for outlet in OUTLETS]
-        found += [Run(*start, OUTLET, angle, WIDTH) for angle in HALF_ANGLES]
+        found += [Run(*start, outlet, 90.0, FLAT_WIDTH[orifice], law) for outlet in OUTLETS]
+        found += [Run(*start, OUTLET, angle, WIDTH, law) for angle in half_angles]
     # YADE has no flat floor with a round outlet.
     return [r for r in found if not (r.solver == "yade" and r.orifice == "round")]
 
@@ -97,13 +101,14 @@ def natural_flow(run: Run, responses: Mapping[str, float]) -> float:
 def beverloo(known: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
     """Yield the table of the laws."""
     widths = ", ".join(f"{outlet:g} d" for outlet in OUTLETS)
-    yield f"| solver | outlet | mass flow, kg/s, at {widths} | runs | n with k = {K} | k | C |"
-    yield "|---" * 7 + "|"
-    for solver, orifice in product(DEM_PROGRAMS, EXPONENTS):
+    yield f"| law | solver | outlet | flow, kg/s, at {widths} | runs | n with k = {K} | k | C |"
+    yield "|---" * 8 + "|"
+    for law, solver, orifice in product(LAWS, DEM_PROGRAMS, EXPONENTS):
+        flat = (law, solver, orifice, FLAT_WIDTH[orifice])
         own = {
             run: record["responses"]
             for run, record in known.items()
-            if (run.solver, run.orifice, run.width) == (solver, orifice, FLAT_WIDTH[orifice])
+            if (run.law, run.solver, run.orifice, run.width) == flat
         }
         if len({run.outlet for run in own}) < len(OUTLETS):
             continue
@@ -118,7 +123,7 @@ def beverloo(known: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
             f"{np.mean([found['mass_flow'] for run, found in own.items() if run.outlet == w]):.3f}"
             for w in OUTLETS
         )
-        cells = [solver, orifice, means, str(len(own)), f"{fit[0]:.2f} ± {error:.2f}"]
+        cells = [law, solver, orifice, means, str(len(own)), f"{fit[0]:.2f} ± {error:.2f}"]
         cells += [f"{-start / slope:.2f}", f"{slope**exponent:.2f}"]
         yield f"| {' | '.join(cells)} |"
 
@@ -126,24 +131,24 @@ def beverloo(known: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
 def half_angles(known: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
     """Yield the table of half angles."""
     names = ("mass_flow", "discharge_time", "residual_mass", "bulk_density")
-    yield "| solver | outlet | half angle, deg | runs | over flat | mass flow, kg/s | " + (
+    yield "| law | solver | outlet | half angle, deg | runs | over flat | mass flow, kg/s | " + (
         "discharge time, s | residual mass, kg | bulk density, kg/m^3 |"
     )
-    yield "|---" * 9 + "|"
-    for solver, orifice in product(DEM_PROGRAMS, EXPONENTS):
+    yield "|---" * 10 + "|"
+    for law, solver, orifice in product(LAWS, DEM_PROGRAMS, EXPONENTS):
         flat = float("nan")
         for angle in reversed(HALF_ANGLES):
             own = [
                 record["responses"]
                 for run, record in known.items()
-                if (run.solver, run.orifice, run.width) == (solver, orifice, WIDTH)
-                and run.half_angle == angle
+                if (run.law, run.solver, run.orifice) == (law, solver, orifice)
+                and (run.width, run.half_angle) == (WIDTH, angle)
             ]
             if not own:
                 continue
             flow = float(np.mean([one["mass_flow"] for one in own]))
             flat = flow if angle == HALF_ANGLES[-1] else flat
-            cells = [solver, orifice, f"{angle:g}", str(len(own)), f"{flow / flat:.2f}"]
+            cells = [law, solver, orifice, f"{angle:g}", str(len(own)), f"{flow / flat:.2f}"]
             cells += [mean_and(scatter, [one[name] for one in own]) for name in names]
             yield f"| {' | '.join(cells)} |"
 
@@ -154,10 +159,14 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, required=True)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--solvers", nargs="+", default=["lammps"], choices=list(DEM_PROGRAMS))
+    parser.add_argument("--half-angles", type=float, nargs="*", default=HALF_ANGLES)
+    parser.add_argument("--law", default=OWN, choices=LAWS)
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     if not given.table:
-        measure(runs_of(given.solvers, given.seeds), given.kept, record_of)
+        measure(
+            runs_of(given.solvers, given.seeds, given.half_angles, given.law), given.kept, record_of
+        )
     known = read(given.kept, Run)
     good = {run: record for run, record in known.items() if "responses" in record}
     print("\n".join([*beverloo(good), "", *half_angles(good)]))

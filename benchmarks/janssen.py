@@ -10,10 +10,12 @@ vertical force. Finished runs are kept in the file ``--kept`` and not repeated, 
 can be stopped and started again.
 
     python benchmarks/janssen.py --kept benchmarks/data/janssen.jsonl [--seeds 2]
-        [--solvers lammps] [--widths 8 12] [--drops 0 1 2] [--moduli 1e6] [--height 2.0] [--table]
+        [--solvers lammps] [--widths 8 12] [--drops 0 1 2] [--moduli 1e6] [--height 2.0]
+        [--law own] [--table]
 
 A drop of 0 begins as a cubic lattice, which falls least; 1 is the random column of the bulk tests;
-2 is that column stretched to twice its height.
+2 is that column stretched to twice its height. The law ``new`` is that with which ``grainfit new``
+begins.
 """
 
 from __future__ import annotations
@@ -38,6 +40,7 @@ from grainfit.testing.lowered_bed import Tube, floor_shares, lowered_bed
 from grainfit.testing.materials import GLASS_BEADS
 from kept_runs import mean_and, read, scatter, simulate
 from kept_runs import measure as measure_all
+from new_law import LAWS, NEW, OWN, material_of_new
 
 DIAMETER = 0.010
 #: Programs that do not know the radial force of a ring, so that K and m are not known one by one.
@@ -53,6 +56,7 @@ class Run(NamedTuple):
     height: float
     drop: float
     modulus: float
+    law: str
 
 
 def column_of(sizes: ParticleSizes, options: Mapping[str, float], seed: int) -> Column:
@@ -93,7 +97,12 @@ def measure(
 
 
 def material_of(run: Run) -> Mapping[str, float]:
-    """Return the material: sliding friction 0.5 between particles, 0.4 on walls, no rolling."""
+    """Return the material: sliding friction 0.5 between particles, 0.4 on walls, no rolling.
+
+    That of a new file has its own frictions.
+    """
+    if run.law == NEW:
+        return {**material_of_new(), "particle.youngs_modulus": run.modulus}
     frictions = {"particle_particle": 0.5, "particle_wall": 0.4}
     return {
         **GLASS_BEADS,
@@ -126,17 +135,22 @@ def record_of(run: Run) -> dict[str, Any]:
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
     """Yield the lines of the table in Markdown, one for every setting."""
     yield (
-        "| solver | D / d | H / D | modulus, MPa | fall of the centre, d | runs "
+        "| law | solver | D / d | H / D | modulus, MPa | fall of the centre, d | runs "
         "| floor after the fill | lowered by 0.1 d | by 0.5 d | at rest | Janssen | K "
         "| floor + wall |"
     )
-    yield "|---" * 13 + "|"
+    yield "|---" * 14 + "|"
     for setting in dict.fromkeys(run._replace(seed=0) for run in sorted(records)):
         own = [r for run, r in records.items() if run._replace(seed=0) == setting]
         good = [r["responses"] for r in own if "responses" in r]
         if good:
             columns = defaultdict(list, {name: [one[name] for one in good] for name in good[0]})
-            cells = [setting.solver, f"{setting.width:g}", f"{np.mean(columns['hold_height']):.2f}"]
+            cells = [
+                setting.law,
+                setting.solver,
+                f"{setting.width:g}",
+                f"{np.mean(columns['hold_height']):.2f}",
+            ]
             cells += [f"{setting.modulus / 1e6:g}", f"{np.mean(columns['fall']):.1f}"]
             cells += [str(len(good))]
             names = ("hold_floor", "lowered_0.1", "lowered_0.5", "after_floor", "after_janssen")
@@ -158,11 +172,12 @@ def main() -> None:
     parser.add_argument("--drops", type=float, nargs="+", default=[0.0, 1.0, 2.0])
     parser.add_argument("--moduli", type=float, nargs="+", default=[1e6])
     parser.add_argument("--height", type=float, default=2.0, help="of the bed, in widths")
+    parser.add_argument("--law", default=OWN, choices=LAWS)
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     seeds = range(1, given.seeds + 1)
     cases = product(given.solvers, seeds, given.widths, [given.height], given.drops, given.moduli)
-    runs = [Run(*case) for case in cases]
+    runs = [Run(*case, given.law) for case in cases]
     if not given.table:
         measure_all(runs, given.kept, record_of)
     print("\n".join(table(read(given.kept, Run))))
