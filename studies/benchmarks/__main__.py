@@ -10,9 +10,9 @@ import typer
 
 from benchmarks.kept_runs import measure
 from grainfit.errors import GrainfitError
-from studies.benchmarks import gas, impacts, packings
+from studies.benchmarks import gas, impacts, packings, shear
 from studies.benchmarks.drum_pictures import measure_pictures
-from studies.benchmarks.page import KEPT, KEPT_GASES, KEPT_PACKINGS, write_page
+from studies.benchmarks.page import KEPT, KEPT_GASES, KEPT_PACKINGS, KEPT_SHEAR, write_page
 from studies.names import one_of
 
 #: Steps that simulate: runs of some solvers, where they are kept, what makes one.
@@ -20,6 +20,7 @@ SIMULATED: Mapping[str, tuple[Callable[..., Any], Path, Callable[..., Any]]] = {
     "impacts": (impacts.all_runs, KEPT, impacts.simulate),
     "gas": (gas.all_gases, KEPT_GASES, gas.simulate),
     "packings": (packings.all_packings, KEPT_PACKINGS, packings.simulate),
+    "shear": (shear.all_sheared, KEPT_SHEAR, shear.simulate),
 }
 STEPS = (*SIMULATED, "pictures", "page")
 app = typer.Typer(

@@ -9,13 +9,16 @@ from __future__ import annotations
 import json
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 from typing import Any
 
-from studies.benchmarks import comparisons, disagreement, gas, packings
+import numpy as np
+
+from grainfit.evaluation import Response
+from studies.benchmarks import comparisons, disagreement, gas, packings, shear
 from studies.benchmarks.impacts import SOLVERS
 
 ROOT = Path(__file__).parents[2]
@@ -28,13 +31,14 @@ class Records:
 
     Parameters
     ----------
-    impacts, gases, packings : mapping
+    impacts, gases, packings, sheared : mapping
         Records by run.
     """
 
     impacts: comparisons.Records
     gases: Mapping[gas.Gas, Mapping[str, Any]]
     packings: Mapping[packings.Packing, Mapping[str, Any]]
+    sheared: shear.Records
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,7 @@ def evidence(records: Records) -> list[Evidence]:
         *_impacts(records.impacts),
         *_gas(records.gases),
         *_packings(records.packings),
+        *_shear(records.sheared),
         *_janssen(),
         _compressed(),
         *_pages(),
@@ -155,9 +160,10 @@ def _packings(records: Mapping[packings.Packing, Mapping[str, Any]]) -> Iterator
             if not any((run.solver, run.friction) == (solver, friction) for run in records):
                 continue
             solid, found = packings.without_overlap(records, solver, friction)
-            solids[solver] = Result(f"{solid:.3f}", abs(solid / packings.CLOSE - 1) <= 0.02)
-            is_met = abs(found / isostatic - 1) <= 0.05
-            contacts[solver] = Result(f"{found:.2f}", is_met)
+            is_met = abs(solid.value / packings.CLOSE - 1) <= 0.02
+            solids[solver] = Result(_with_error(solid, 3), is_met)
+            is_met = abs(found.value / isostatic - 1) <= 0.05
+            contacts[solver] = Result(_with_error(found, 2), is_met)
         words = "smooth spheres" if friction == 0 else f"spheres with a friction of {friction:g}"
         yield Evidence(f"contacts in a bed of {words}", f"{isostatic:g}", contacts, command)
         if friction == 0:
@@ -165,23 +171,68 @@ def _packings(records: Mapping[packings.Packing, Mapping[str, Any]]) -> Iterator
             yield Evidence(f"solid fraction of {words}", reference, solids, command)
 
 
+def _with_error(found: Response, digits: int) -> str:
+    words = f"{found.value:.{digits}f}"
+    error = found.standard_error
+    return f"{words} ± {error:.{digits}f}" if error else words
+
+
+def _shear(records: shear.Records) -> Iterator[Evidence]:
+    """Compare the limit of no inertia at all frictions with what is published."""
+    command = "python -m studies.benchmarks shear"
+    frictions = ", ".join(f"{friction:g}" for friction in shear.PUBLISHED)
+    limits = {
+        solver: [found for of in shear.PUBLISHED if (found := shear.limit(records, solver, of))]
+        for solver in SOLVERS
+    }
+    known = {s: found for s, found in limits.items() if len(found) == len(shear.PUBLISHED)}
+    expected = [shear.angle_of(ratio) for ratio, _ in shear.PUBLISHED.values()]
+    solid = [fraction for _, fraction in shear.PUBLISHED.values()]
+    angles = {s: [found.angle for found in one] for s, one in known.items()}
+    solids = {s: [found.solid_fraction for found in one] for s, one in known.items()}
+    for of, digits, values, published, tolerance in (
+        ("angle", ".1f", angles, expected, 1.0),
+        ("solid fraction", ".3f", solids, solid, 0.02 * min(solid)),
+    ):
+        unit = "°" if of == "angle" else ""
+
+        def words(numbers: Sequence[float], digits: str = digits, unit: str = unit) -> str:
+            return ", ".join(f"{number:{digits}}{unit}" for number in numbers)
+
+        yield Evidence(
+            f"{of} of slow shear, friction {frictions}",
+            f"{words(published)} (published DEM)",
+            {
+                s: Result(words(one), np.abs(np.subtract(one, published)).max() <= tolerance)
+                for s, one in values.items()
+            },
+            command,
+        )
+
+
 def _janssen() -> Iterator[Evidence]:
     """Compare the floor's share of the weight with Janssen's formula for the same bed."""
     records = _kept("janssen")
-    for key, tolerance, benchmark, reference in (
-        ("after_sum", 0.005, "weight of a bed on floor and walls", "its weight"),
-        ("hold_floor", 0.1, "load on the floor, after a fill", "Janssen"),
-        ("after_floor", 0.1, "load on the floor, lowered by 0.5 d", "Janssen"),
+    new = ", law of `new`"
+    for key, law, tolerance, benchmark, reference in (
+        ("after_sum", "", 0.005, "weight of a bed on floor and walls", "its weight"),
+        ("hold_floor", "own", 0.1, "load on the floor, after a fill", "Janssen"),
+        ("hold_floor", "new", 0.1, f"load on the floor, after a fill{new}", "Janssen"),
+        ("after_floor", "own", 0.1, "load on the floor, lowered by 0.5 d", "Janssen"),
+        ("after_floor", "new", 0.1, f"load on the floor, lowered by 0.5 d{new}", "Janssen"),
     ):
         worst: dict[str, float] = defaultdict(float)
         for record in records:
+            if law not in ("", record["law"]):
+                continue
             found = record["responses"]
             expected = 1.0 if key == "after_sum" else found["after_janssen"]
             off = abs(found[key] / expected - 1)
             worst[record["solver"]] = max(worst[record["solver"]], off)
         results = {s: Result(percent(off), off <= tolerance) for s, off in worst.items()}
         command = "python benchmarks/janssen.py --kept benchmarks/data/janssen.jsonl --table"
-        yield Evidence(benchmark, reference, results, command)
+        if results:
+            yield Evidence(benchmark, reference, results, command)
 
 
 def _compressed() -> Evidence:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from grainfit.measurement.line_panel import PlottedLine, line_panel
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
-from studies.benchmarks import disagreement
+from studies.benchmarks import disagreement, shear
 from studies.benchmarks.comparisons import Records
 from studies.benchmarks.impacts import abscissae
 from studies.benchmarks.published import curve
@@ -84,6 +84,49 @@ def draw_disagreement(path: Path) -> Path:
     title = "Two published calibrations of one powder"
     words = "Lines are what either answer predicts; marks are what its photographs show."
     sheet(title, words, [panel], size[0]).save(path)
+    return path
+
+
+def draw_shear(records: shear.Records, path: Path) -> Path:
+    """Draw steady shear over sliding friction and inertial number to a PNG file."""
+    published = {
+        friction: (shear.angle_of(ratio), solid)
+        for friction, (ratio, solid) in shear.PUBLISHED.items()
+    }
+    panels = []
+    for number, label in enumerate(
+        ("angle of shear stress over pressure, degrees", "solid fraction")
+    ):
+        dots = np.array([(friction, values[number]) for friction, values in published.items()])
+        lines = [*_dots(dots, 0.02, _PUBLISHED, "published DEM")]
+        for solver in _COLOURS:
+            found = {f: shear.limit(records, solver, f) for f in shear.FRICTIONS}
+            known = {f: (one.angle, one.solid_fraction) for f, one in found.items() if one}
+            if known:
+                y = [values[number] for values in known.values()]
+                lines.append(PlottedLine(list(known), y, _NAMES[solver], _COLOURS[solver]))
+        panels.append(line_panel(lines, "sliding friction", label, _SIZE, from_zero=number == 0))
+    numbers = np.linspace(1e-4, 0.11, 100)
+    curves = {
+        0.5: [
+            PlottedLine(numbers, shear.glass_beads(numbers), "glass beads", _MEASURED),
+            PlottedLine(numbers, shear.chialvo(numbers, 0.382), "published DEM", _PUBLISHED),
+        ],
+        0.0: _dots(np.array([(0.0, shear.PUBLISHED[0.0][0])]), 0.002, _PUBLISHED, "published DEM"),
+    }
+    for friction, lines in curves.items():
+        points = shear.over_inertia(records, "lammps", friction)
+        panels.append(
+            line_panel(
+                [*lines, *_dots(points, 0.001, _COLOURS["lammps"], "LAMMPS")],
+                "inertial number",
+                f"shear stress over pressure, friction {friction:g}",
+                _SIZE,
+            )
+        )
+    title = "Steady shear of spheres without rolling friction"
+    words = "Above in the limit of no inertia, below over the inertial number."
+    sheet(title, words, panels, _SIZE[0]).save(path)
     return path
 
 

@@ -9,7 +9,7 @@ import jinja2
 
 from benchmarks.kept_runs import read
 from grainfit.files import write_atomically
-from studies.benchmarks import comparisons, disagreement, gas, packings
+from studies.benchmarks import comparisons, disagreement, gas, packings, shear
 from studies.benchmarks.evidence import ROOT, Records, evidence, percent
 from studies.benchmarks.gas import Gas
 from studies.benchmarks.impacts import SOLVERS, Run
@@ -21,14 +21,14 @@ _IMAGES = ROOT / "docs" / "images"
 _README = ROOT / "README.md"
 #: Where finished runs are kept.
 KEPT, KEPT_GASES = DATA / "impacts.jsonl", DATA / "gas.jsonl"
-KEPT_PACKINGS = DATA / "packings.jsonl"
+KEPT_PACKINGS, KEPT_SHEAR = DATA / "packings.jsonl", DATA / "shear.jsonl"
 _MARKED = re.compile("(?<=<!-- evidence -->\n).*(?=<!-- end of evidence -->)", re.DOTALL)
 
 
 def write_page() -> list[Path]:
     """Write page, figures and table; return their paths."""
     # Figures need Pillow, and nothing else does.
-    from studies.benchmarks.figures import draw_disagreement, draw_impacts
+    from studies.benchmarks.figures import draw_disagreement, draw_impacts, draw_shear
 
     records = kept_records()
     write_atomically(_PAGE, page(records))
@@ -38,12 +38,18 @@ def write_page() -> list[Path]:
         _README,
         draw_impacts(records.impacts, _IMAGES / "elementary_impacts.png"),
         draw_disagreement(_IMAGES / "two_calibrations.png"),
+        draw_shear(records.sheared, _IMAGES / "sheared_spheres.png"),
     ]
 
 
 def kept_records() -> Records:
     """Return what is kept."""
-    return Records(read(KEPT, Run), read(KEPT_GASES, Gas), read(KEPT_PACKINGS, packings.Packing))
+    return Records(
+        read(KEPT, Run),
+        read(KEPT_GASES, Gas),
+        read(KEPT_PACKINGS, packings.Packing),
+        read(KEPT_SHEAR, shear.Sheared),
+    )
 
 
 def page(records: Records) -> str:
@@ -62,9 +68,32 @@ def page(records: Records) -> str:
         seconds=comparisons.processor_seconds(records.impacts),
         beds={
             step: [row for row in rows if row.command.endswith(step)]
-            for step in ("gas", "packings")
+            for step in ("gas", "packings", "shear")
         },
         packings=packings,
+        packed={
+            solver: len({run.seed for run in records.packings if run.solver == solver})
+            for solver in SOLVERS
+            if any(run.solver == solver for run in records.packings)
+        },
+        ordered={run: records.packings[run] for run in packings.ordered(records.packings)},
+        random_order=max(
+            record["order"]
+            for record in records.packings.values()
+            if record["order"] <= packings.ORDERED
+        ),
+        shear=shear,
+        overlap=shear.OVERLAP,
+        sheared=[s for s in SOLVERS if any(run.solver == s for run in records.sheared)],
+        limits=_limits(records.sheared),
+        lower=max(
+            one.angle - shear.angle_of(one.ratio)
+            for of_friction in _limits(records.sheared).values()
+            for one in of_friction.values()
+        ),
+        power=shear.power(records.sheared),
+        rise=shear.rise(records.sheared),
+        failed={run: record for run, record in records.sheared.items() if "why" in record},
         gas=gas,
         solvers=SOLVERS,
         names=NAMES,
@@ -97,6 +126,16 @@ def readme(records: Records) -> str:
     text = _README.read_text(encoding="utf-8")
     assert _MARKED.search(text)
     return _MARKED.sub(lambda _: "\n".join(lines) + "\n", text)
+
+
+def _limits(records: shear.Records) -> dict[float, dict[str, shear.Limit]]:
+    """Return the limits of no inertia by friction and solver."""
+    return {
+        friction: {
+            solver: found for solver in SOLVERS if (found := shear.limit(records, solver, friction))
+        }
+        for friction in shear.FRICTIONS
+    }
 
 
 def _impact(row: comparisons.Row) -> dict[str, object]:

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import needs
+from grainfit.contact_models.hertz_mindlin.model import hertz_stiffness, particle_moduli
 from grainfit.measurement.particles import Particles
-from studies.benchmarks import comparisons, disagreement, evidence, gas, packings
+from grainfit.testing.simulated_scenes import material
+from studies.benchmarks import comparisons, disagreement, evidence, gas, packings, shear
 from studies.benchmarks.gas import Gas, all_gases
 from studies.benchmarks.impacts import SPINS, Run, all_runs, simulate
 from studies.benchmarks.page import kept_records, page, readme
@@ -60,10 +62,47 @@ def test_a_cubic_lattice_has_six_contacts(monkeypatch: pytest.MonkeyPatch) -> No
     assert found["overlap"] == pytest.approx(0.001)
     assert found["coordination"] == 6
     assert found["solid_fraction"] == pytest.approx(np.pi / 6 / 0.999**3, rel=0.01)
+    assert found["order"] > packings.ORDERED
+    assert packings.order_of(np.eye(3)) == pytest.approx(8**-0.5)
 
 
-def test_all_gases_are_kept() -> None:
-    assert set(GASES) == set(all_gases(("lammps", "liggghts", "yade")))
+def test_the_pressure_of_a_cubic_lattice_is_force_over_area() -> None:
+    side = 0.998 * shear.DIAMETER
+    along = side * (np.arange(12) + 0.5)
+    places = np.array(np.meshgrid(along, along, along)).reshape(3, -1).T
+    bed = Particles(places, np.full(len(places), shear.DIAMETER / 2), np.ones(len(places)))
+    values = {**material(), "particle.youngs_modulus": shear.MODULUS}
+    moduli = particle_moduli(values, "particle")
+    overlap = shear.DIAMETER - side
+    force = hertz_stiffness(overlap, moduli, shear.DIAMETER / 4) * overlap
+    found = shear.mean_pressure(bed, (12 * side, 12 * side), values)
+    assert found == pytest.approx(force / side**2, rel=0.01)
+
+
+def test_the_limit_of_no_inertia_of_known_shear() -> None:
+    records = {}
+    for friction, exponent in ((0.0, 0.4), (0.5, 1.0)):
+        for number in shear.CURVE:
+            ratio = 0.3 + 0.5 * number**exponent
+            records[shear.Sheared("lammps", friction, number, 1)] = {
+                "angle": shear.angle_of(ratio),
+                "error": 0.1,
+                "solid_fraction": (0.6 - 0.3 * number) * (1 + shear.OVERLAP),
+                "pressure": 0.9,
+            }
+        found = shear.limit(records, "lammps", friction)
+        assert found is not None
+        assert found.ratio == pytest.approx(0.3, abs=1e-4)
+        assert found.exponent == pytest.approx(exponent, abs=1e-3)
+        assert found.angle == pytest.approx(shear.angle_of(0.3 / 0.9), abs=0.02)
+        assert found.solid_fraction == pytest.approx(0.6)
+
+
+def test_all_beds_are_kept() -> None:
+    solvers = ("lammps", "liggghts", "yade")
+    assert set(GASES) == set(all_gases(solvers))
+    assert set(KEPT.packings) >= set(packings.all_packings(("lammps", "liggghts")))
+    assert set(KEPT.sheared) == set(shear.all_sheared(solvers))
 
 
 def test_all_impacts_of_three_solvers_are_kept() -> None:
