@@ -4,7 +4,8 @@ Finished runs are kept in the file ``--kept`` and not repeated, so that the comm
 and started again.
 
     python benchmarks/hopper.py --kept benchmarks/data/hopper.jsonl [--seeds 3]
-        [--solvers lammps] [--half-angles 30 90] [--law own] [--table]
+        [--solvers lammps] [--orifices round slot] [--half-angles 30 90]
+        [--law own] [--table]
 
 The first two tables are flat-bottomed vessels of three outlets each: the exponent n of
 ``flow = C rho_b sqrt(g) ... (W - k d)^n`` with k = 1.5, and C and k with n = 5/2 (round) or 3/2
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -81,13 +82,13 @@ def record_of(run: Run) -> dict[str, Any]:
     return simulate(DEM_PROGRAMS[run.solver](test, material), run.seed)
 
 
-def runs_of(solvers: list[str], seeds: int, half_angles: Sequence[float], law: str) -> list[Run]:
+def runs_of(given: argparse.Namespace) -> list[Run]:
     """Return all runs, those of the first seed first."""
-    found = []
-    for seed, orifice, solver in product(range(1, seeds + 1), EXPONENTS, solvers):
+    found, law = [], given.law
+    for seed, orifice, solver in product(range(1, given.seeds + 1), given.orifices, given.solvers):
         start = (solver, seed, orifice)
         found += [Run(*start, outlet, 90.0, FLAT_WIDTH[orifice], law) for outlet in OUTLETS]
-        found += [Run(*start, OUTLET, angle, WIDTH, law) for angle in half_angles]
+        found += [Run(*start, OUTLET, angle, WIDTH, law) for angle in given.half_angles]
     # YADE has no flat floor with a round outlet.
     return [r for r in found if not (r.solver == "yade" and r.orifice == "round")]
 
@@ -159,14 +160,13 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, required=True)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--solvers", nargs="+", default=["lammps"], choices=list(DEM_PROGRAMS))
+    parser.add_argument("--orifices", nargs="+", default=list(EXPONENTS), choices=EXPONENTS)
     parser.add_argument("--half-angles", type=float, nargs="*", default=HALF_ANGLES)
     parser.add_argument("--law", default=OWN, choices=LAWS)
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     if not given.table:
-        measure(
-            runs_of(given.solvers, given.seeds, given.half_angles, given.law), given.kept, record_of
-        )
+        measure(runs_of(given), given.kept, record_of)
     known = read(given.kept, Run)
     good = {run: record for run, record in known.items() if "responses" in record}
     print("\n".join([*beverloo(good), "", *half_angles(good)]))

@@ -107,18 +107,18 @@ def draw_shear(records: shear.Records, path: Path) -> Path:
                 lines.append(PlottedLine(list(known), y, _NAMES[solver], _COLOURS[solver]))
         panels.append(line_panel(lines, "sliding friction", label, _SIZE, from_zero=number == 0))
     numbers = np.linspace(1e-4, 0.11, 100)
-    curves = {
+    curves: dict[float, Sequence[PlottedLine]] = {
         0.5: [
             PlottedLine(numbers, shear.glass_beads(numbers), "glass beads", _MEASURED),
             PlottedLine(numbers, shear.chialvo(numbers, 0.382), "published DEM", _PUBLISHED),
         ],
         0.0: _dots(np.array([(0.0, shear.PUBLISHED[0.0][0])]), 0.002, _PUBLISHED, "published DEM"),
     }
-    for friction, lines in curves.items():
+    for friction, published_lines in curves.items():
         points = shear.over_inertia(records, "lammps", friction)
         panels.append(
             line_panel(
-                [*lines, *_dots(points, 0.001, _COLOURS["lammps"], "LAMMPS")],
+                [*published_lines, *_dots(points, 0.001, _COLOURS["lammps"], "LAMMPS")],
                 "inertial number",
                 f"shear stress over pressure, friction {friction:g}",
                 _SIZE,
