@@ -2,9 +2,11 @@
 
 import ast
 import re
+from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from string import Formatter
 
 import pytest
 
@@ -154,3 +156,43 @@ def test_a_message_is_found_whatever_fills_it_in() -> None:
 def test_a_message_without_text_cannot_be_made() -> None:
     with pytest.raises(AssertionError):
         Message(" ")
+
+
+#: A literal of an assertion that has as many words in a row as a message is prose of it.
+WORDS = 4
+
+
+def runs_of_words(text: str) -> set[tuple[str, ...]]:
+    words = re.findall(r"[^\W\d_][\w'-]*(?:[._]\w+)*", text)
+    return {tuple(words[at : at + WORDS]) for at in range(len(words) - WORDS + 1)}
+
+
+def prose_of_messages() -> set[tuple[str, ...]]:
+    templates = [text for message in ALL.values() for text in (message.text, message.remedy)]
+    literals = (literal for text in templates for literal, *_ in Formatter().parse(text))
+    return {run for literal in literals for run in runs_of_words(literal)}
+
+
+def asserted_literals(tree: ast.AST) -> Iterator[ast.Constant]:
+    """Yield the literals that a text has to contain or to match."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.keyword) and node.arg == "match":
+            found = [*ast.walk(node.value)]
+        elif isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In):
+            found = [*ast.walk(node.left)]
+        else:
+            continue
+        yield from (
+            one for one in found if isinstance(one, ast.Constant) and isinstance(one.value, str)
+        )
+
+
+def test_tests_ask_for_messages_by_their_names() -> None:
+    prose = prose_of_messages()
+    found = [
+        f"{path.relative_to(SOURCE.parent)}:{literal.lineno} {literal.value!r}"
+        for path in sorted((SOURCE.parent / "tests").rglob("*.py"))
+        for literal in asserted_literals(ast.parse(path.read_text(encoding="utf-8")))
+        if runs_of_words(re.sub(r"\\(.)", r"\1", literal.value)) & prose
+    ]
+    assert not found, "messages have names: see Message.is_in and Message.matching"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from given_metamodels import Given, given
 
+from grainfit import ground_messages
 from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.errors import InputError
 from grainfit.problem import Target
@@ -52,5 +53,8 @@ def test_without_arviz_the_error_says_how_to_install_it(
     posterior: Posterior, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "arviz", None)
-    with pytest.raises(InputError, match=r"arviz, which is not installed. .*grainfit\[arviz\]"):
+    with pytest.raises(
+        InputError,
+        match=rf"{ground_messages.NOT_INSTALLED.matching(package='arviz')}.*grainfit\[arviz\]",
+    ):
         posterior.to_arviz()

@@ -148,9 +148,8 @@ def test_what_is_not_known_is_said_instead_of_a_ranking() -> None:
     assert np.mean([is_refused for q2, is_refused in refused if q2 > 0.8]) < 0.2
     found = estimate_sensitivity(fitted(ishigami, 20, 0.0, 1), points=128)
     assert found.in_words()[0].startswith("On which parameters y depends is not known: its meta")
-    assert (
-        f"uncertain by up to {100 * found.uncertainty(0):.0f} %. More runs" in found.in_words()[0]
-    )
+    uncertainty = 100 * found.uncertainty(0)
+    assert messages.SENSITIVITY_NOT_KNOWN.is_in(found.in_words()[0], uncertainty=uncertainty)
 
 
 def test_a_parameter_whose_interval_reaches_far_is_not_called_hardly_important() -> None:

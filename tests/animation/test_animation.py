@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -110,7 +111,7 @@ def test_a_run_with_frames_is_the_same_run(tmp_path: Path) -> None:
     assert "again" not in done.output
     words = " ".join(done.output.split())
     assert f"Animation: {other / 'animation.html'} (20 frames, 0." in words
-    assert "No animation of own: a model of your own has no scene to draw." in words
+    assert re.search(rf"No animation of own: {messages.OWN_MODEL.pattern}\.", words)
 
     # A known one is simulated again, and stays as it is.
     done = simulate(plain, "--animate", "--frames", "20")

@@ -160,14 +160,14 @@ def test_factor_has_to_go_where_only_the_real_particles_fit():
 
 
 def test_no_factor_is_named_where_the_real_particles_are_too_large_too():
-    words = r"of at least 0\.02 m\. Particles are 2 times as large as the real ones"
-    with pytest.raises(InputError, match=words):
+    least = messages.CYLINDER_IS_NARROW.matching(least=0.02)
+    with pytest.raises(InputError, match=rf"{least} Particles are 2 times as large"):
         Packing(REAL.coarse_grained(2), cylinder_radius=0.009)
 
 
 def test_no_factor_is_named_for_clumps_whose_extent_is_not_known():
     pairs = ParticleSizes((0.005,), shape=ParticleShape("two_spheres"))
-    with pytest.raises(InputError, match="times as large as the real ones") as refused:
+    with pytest.raises(InputError, match=r"Particles are 2\.4 times as large") as refused:
         Discharge(pairs.coarse_grained(2.4))
     assert "at most" not in str(refused.value)
 

@@ -23,6 +23,7 @@ from grainfit.calibration_file.plan import describe_plan
 from grainfit.campaign.batch import run_folders, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.checks import Finding
+from grainfit.cli import messages as of_cli
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Proposal
@@ -276,7 +277,9 @@ def test_a_function_that_does_not_return_fails_the_run(
     beads.write_text("import time\ndef scene(seed):\n    time.sleep(5)\ndef measure(run): pass\n")
     monkeypatch.setattr(user_function.call, "__defaults__", (0.05,))
 
-    with pytest.raises(RunFailedError, match="did not return within") as caught:
+    with pytest.raises(
+        RunFailedError, match=of_own_scene.DID_NOT_RETURN.matching(limit=0.05)
+    ) as caught:
         make(beads).scene(GLASS_BEADS, 1)
 
     assert caught.value.kind == "timeout"
@@ -339,7 +342,9 @@ def test_a_scene_that_needs_more_memory_than_there_is_is_said(
     done = subprocess.run(command, capture_output=True, text=True, check=False)
 
     assert done.returncode == 1
-    assert "has no memory left: unable to allocate" in " ".join((done.stdout + done.stderr).split())
+    shown = " ".join((done.stdout + done.stderr).split())
+    assert of_cli.NO_MEMORY.is_in(shown)
+    assert "left: unable to allocate" in shown
     assert "Traceback" not in done.stderr
 
 

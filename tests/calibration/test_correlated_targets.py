@@ -13,6 +13,7 @@ from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import gauss_newton
+from grainfit.problem import messages as of_problem
 from grainfit.problem.correlations import correlated_groups, correlation_matrix
 from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient, _normal_outcomes
 from grainfit.strategies.staged.least_squares import _jacobian
@@ -248,7 +249,9 @@ def test_plan_shows_correlations(file: Path) -> None:
 
 
 def test_faults_in_python() -> None:
-    with pytest.raises(gf.InputError, match=r"correlations\[0\]: 'c' has no target here"):
+    with pytest.raises(
+        gf.InputError, match=rf"correlations\[0\]: {of_problem.NO_TARGET_HERE.matching(name='c')}"
+    ):
         gf.Problem(problem().parameters, problem().targets, correlations=[("a", "c", 0.5)])
     with pytest.raises(gf.InputError, match="Give triples"):
         gf.Problem(problem().parameters, problem().targets, correlations=[("a", "b")])  # type: ignore[list-item]

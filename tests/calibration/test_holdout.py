@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
+from grainfit.calibration import messages as of_calibration
 from grainfit.calibration.registrations import HOLDOUTS_NAME, hash_of_targets
 from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.cli.app import app
@@ -289,7 +290,7 @@ def test_a_hold_out_that_always_fails_costs_no_verdict() -> None:
 
 
 def test_a_hold_out_is_not_called_like_a_fitted_test() -> None:
-    with pytest.raises(gf.InputError, match="name of another test"):
+    with pytest.raises(gf.InputError, match=of_calibration.HOLDOUT_OF_SAME_NAME.pattern):
         gf.calibrate(problem(), heap, holdouts=[held("simulate", FLOW, 0.2)])
     other = gf.Holdout("drum", drum_solver(Drum()), [gf.Target("angle", 30.0)])
     with pytest.raises(gf.InputError, match="yields no angle"):

@@ -16,6 +16,7 @@ from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.solvers.own_model.recorded_table import RecordedTable
 from grainfit.solvers.parameters_for import AllBut, ParametersFor
 from grainfit.strategies.distinct_runs import distinct_runs
+from grainfit.verdict import messages as of_verdict
 from grainfit.verdict.reasons import NoRecordThere
 
 FRICTION = gf.Parameter("friction", 0.1, 0.9)
@@ -56,7 +57,7 @@ def test_an_answer_without_a_row_names_the_nearest(result: gf.Result) -> None:
     assert reason.record == f"row {nearest + 1}"
     friction, rolling = points[nearest]
     assert reason.there == f"friction = {friction:.6g}, rolling = {rolling:.6g} 1/m"
-    assert f"no row at the answer; the nearest is {reason.record}" in str(reason)
+    assert of_verdict.NO_RECORD_THERE.is_in(str(reason), record=reason.record)
 
 
 REPEATED = [{"friction": 0.5, "angle": 0.0} for _ in range(3)] + [{"friction": 0.7, "angle": 9.0}]

@@ -174,6 +174,7 @@ def test_deviations_are_shown_with_the_unit_where_percent_makes_no_sense() -> No
 def test_target_of_zero_that_is_out_of_reach_is_told_without_a_percentage() -> None:
     words = str(OutOfReach("dilatancy", 0.0, 1.0, 0.02))
 
-    assert messages.OUT_OF_REACH.is_in(words, target="dilatancy", value=0)
-    assert "metamodels expect within the intervals is 1.000 ± 0.039." in words
+    assert messages.OUT_OF_REACH.is_in(
+        words, target="dilatancy", value=0, nearest="1.000 ± 0.039", share=""
+    )
     assert "%" not in words

@@ -118,7 +118,7 @@ def test_check_names_a_model_in_a_folder_that_may_not_be_entered(
 
     closed.chmod(0o755)
     assert of_options.NOT_THERE.is_in(problem, kind="folder")
-    assert "there is no such file" in function
+    assert of_options.NOT_THERE.is_in(function, kind="file")
 
 
 @pytest.mark.usefixtures("little_memory")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 
 MODEL = """\
@@ -55,10 +56,13 @@ def test_the_largest_time_step_is_preferred_and_on_the_card(file: Path) -> None:
 
 def test_check_says_what_the_time_step_lacks(file: Path) -> None:
     [line] = [line for line in describe_plan(gf.load(file)).lines if "Rayleigh" in line]
-    assert "particle.diameter is not in the file" in line
+    assert of_calibration_file.NO_RAYLEIGH_TIME_STEP.is_in(
+        line, missing="particle.diameter", verb="is"
+    )
     file.write_text(FILE.replace("poissons_ratio = 0.25\n", ""))
     [line] = [line for line in describe_plan(gf.load(file)).lines if "Rayleigh" in line]
-    assert "particle.poissons_ratio and particle.diameter are not in the file" in line
+    lacking = "particle.poissons_ratio and particle.diameter"
+    assert of_calibration_file.NO_RAYLEIGH_TIME_STEP.is_in(line, missing=lacking, verb="are")
 
 
 def test_names_that_seeds_have_are_taken(file: Path) -> None:

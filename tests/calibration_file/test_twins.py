@@ -13,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.bulk_tests import messages as of_bulk_tests
 from grainfit.calibration.twins import SizeRatio, Twins, combined
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.plan import describe_plan
@@ -107,7 +108,7 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     report = Path("pot.grainfit/report.html").read_text()
     assert of_report.PREDICTED() in report
     assert "Test packing: " in report
-    assert "Test packing, smaller in the search: " in report
+    assert of_bulk_tests.SMALLER(test="Test packing") + ": " in report
     # The target of a picture is what the smaller apparatus would give.
     assert of_pages.AT_THIS_SIZE.is_in(unescape(_line_with("measured: <strong>", report)))
     card = json.loads(CliRunner().invoke(app, ["export", "pot.grainfit", "--to", "json"]).stdout)

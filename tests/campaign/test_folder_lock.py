@@ -118,10 +118,12 @@ def test_second_start_on_another_machine_is_refused_where_locks_are_apart(start:
     first = start(*program, locks="apart", host="login1")
     assert read_line(first) == "held"
     second = start(*program, locks="apart", host="login2")
-    assert f"'work' is in use by process {first.pid} on login1" in read_line(second)
+    assert messages.FOLDER_IN_USE.is_in(
+        read_line(second), folder="work", process=f"{first.pid} on login1"
+    )
     # The refused one has not taken the lock over.
     third = start(*program, locks="apart", host="login2")
-    assert f"in use by process {first.pid} on login1" in read_line(third)
+    assert messages.FOLDER_IN_USE.is_in(read_line(third), process=f"{first.pid} on login1")
     first.kill()
     first.wait()
     heir = start(*program, locks="apart", host="login2")

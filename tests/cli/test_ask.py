@@ -58,7 +58,7 @@ def test_a_wrong_answer_is_explained_and_asked_again(tmp_path: Path) -> None:
 
     assert output.count("Which material") == 3
     assert output.count("How large are the particles?") == 2
-    assert "4 has no unit" in output
+    assert of_interview.NO_UNIT.is_in(output, given=4)
 
 
 def test_ctrl_c_on_a_terminal_keeps_the_answers(tmp_path: Path) -> None:

@@ -11,12 +11,15 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.calibration_file import messages as of_calibration_file
+from grainfit.campaign import messages as of_campaign
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
 from grainfit.cli import messages as cli_messages
 from grainfit.errors import StoreError
 from grainfit.materials import messages as of_materials
 from grainfit.report import verdict_messages as messages
+from grainfit.verdict import messages as of_verdict
 from grainfit.work_folder.status import read_status
 from tests.commands import grainfit_here
 
@@ -127,8 +130,9 @@ def test_undecided_exits_with_three_and_says_what_would_help(tmp_path: Path) -> 
     )
     done = grainfit("run", file, "--max-runs", "16", folder=tmp_path, code=3)
     shown = " ".join(done.stdout.split())
-    assert "undecided: the runs do not tell whether every target is met" in shown
-    assert "more runs at the answer: one run scatters by" in shown
+    assert "undecided: the runs" in shown
+    assert of_verdict.RUNS_NEEDED.is_in(shown)
+    assert "answer: one run scatters" in shown
     assert "in doubt" in shown
     result = json.loads((tmp_path / "my sand.grainfit" / "result.json").read_text())
     assert result["status"] == "undecided"
@@ -206,7 +210,7 @@ def test_a_work_folder_in_use_is_refused_and_shown_as_running(tmp_path: Path) ->
     with hold(tmp_path / "my sand.grainfit"):
         busy = in_own_process("run", file, folder=tmp_path, code=1)
         shown = in_own_process("status", "my sand.grainfit", folder=tmp_path)
-    assert f"in use by process {os.getpid()}" in busy.stderr
+    assert of_campaign.FOLDER_IN_USE.is_in(busy.stderr, process=os.getpid())
     assert "running" in shown.stdout
 
 
@@ -220,7 +224,8 @@ def test_new_writes_a_file_that_check_understands(tmp_path: Path) -> None:
     grainfit("new", "two.toml", "--test", "heap", "--test", "heap", folder=tmp_path)
     assert (tmp_path / "two.toml").read_text().count("[[test]]\n") == 2
     refused = grainfit("new", "three.toml", "--test", "no such", folder=tmp_path, code=1)
-    assert "'no such' is not a bulk test. Use one of" in refused.stderr.replace("\n", " ")
+    assert of_calibration_file.NO_BULK_TEST.is_in(refused.stderr, name="no such")
+    assert "Use one of" in refused.stderr.replace("\n", " ")
     assert not (tmp_path / "three.toml").exists()
     grainfit("new", "wheat.toml", "--material", "wheat", "--test", "drum", folder=tmp_path)
     written = (tmp_path / "wheat.toml").read_text()

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from grainfit.cli.app import app
+from grainfit.options import messages as of_options
 
 MODEL = "def simulate(parameters, seed):\n    return {'angle': 60 * parameters['friction']}\n"
 FILE = """name = {name!r}
@@ -70,4 +71,4 @@ def test_name_that_no_run_can_have_is_refused_before_any_run(
     done = CliRunner().invoke(app, ["check", "sand.toml"])
     assert done.exit_code == 1
     assert "test 1, name: " in str(done.exception)
-    assert "cannot be a name" in str(done.exception)
+    assert of_options.BAD_NAME.is_in(str(done.exception))

@@ -14,6 +14,7 @@ from rich.console import Console
 from sand_files import MODEL
 from typer.testing import CliRunner, Result
 
+from grainfit import ground_messages
 from grainfit.calibration.calibrate import calibrate
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
 from grainfit.calibration_file.load import load_calibration_file
@@ -251,7 +252,8 @@ def test_all_faults_of_the_conditions_are_named_at_once() -> None:
     assert of_work_folder.NO_CONDITION.is_in(text, text="__import__('os').abort()")
     assert "Did you mean 'particle.density'?" in text
     assert "Did you mean 'particle.density' or 'wall.density'?" in text
-    assert "'3 m' has the unit m, which cannot be converted to kg/m^3" in text
+    assert ground_messages.OTHER_UNIT.is_in(text, given="3 m", written="m")
+    assert "to kg/m^3" in text
     assert "--status: is 'bad'." in text
     assert "--test: is 'heap'. There are: drum." in text
 
@@ -450,7 +452,8 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     grainfit("runs", "export", "theirs", "theirs.csv", "--sort", "-seed")
     done = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "ours")
     total = len(stored(Path("theirs")))
-    assert f"Imported {total} runs of the test python; 0 were there already." in done.stdout
+    assert f"Imported {total} runs of the" in done.stdout
+    assert "test python; 0 were there already." in done.stdout
     assert f"warm start from {total} parameter sets" in done.stdout
     assert {r.identity for r in stored(Path("ours"))} == {
         r.identity for r in stored(Path("theirs"))
@@ -460,7 +463,8 @@ def test_the_next_calibration_learns_from_imported_runs(sand: Path) -> None:
     source = f"imported from {Path('theirs.csv').absolute()} ({total})"
     assert f"Warm start from {total} earlier runs: {source}." in learnt.stderr
     again = grainfit("runs", "import", sand, "theirs.csv", "--workdir", "theirs")
-    assert f"Imported 0 runs of the test python; {total} were there already." in again.stdout
+    assert "Imported 0 runs of the" in again.stdout
+    assert f"test python; {total} were there already." in again.stdout
     assert of_work_folder.NOT_BY_EARLIER_CALIBRATIONS.is_in(again.stdout)
 
 

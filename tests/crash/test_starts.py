@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.campaign import messages as of_campaign
 from grainfit.campaign.reserve import RESERVE_NAME, Reserve
 from grainfit.campaign.store.store import RunStore
 from grainfit.work_folder.status import read_status
@@ -88,7 +89,7 @@ def test_a_second_start_in_the_same_folder_says_who_is_at_work_and_disturbs_noth
         second = start(file, seconds=0)
         _, message = second.communicate(timeout=60)
         assert second.returncode == 1
-        assert f"is in use by process {first.pid}" in " ".join(message.split())
+        assert of_campaign.FOLDER_IN_USE.is_in(message, process=first.pid)
         assert "Traceback" not in message
         assert files(work) == before
         assert first.poll() is None

@@ -13,6 +13,7 @@ from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import starter_file
 from grainfit.cli.app import app
 from grainfit.errors import InputError
+from grainfit.materials import messages as of_materials
 from grainfit.materials.material_classes import material_classes
 from grainfit.materials.starting_materials import (
     materials_like,
@@ -130,7 +131,7 @@ def test_an_unknown_name_is_answered_with_the_nearest_and_the_ranges_of_its_clas
     with pytest.raises(InputError) as caught:
         read_starting_material(given)
     words = str(caught.value)
-    assert f"'{given}' is no starting material" in words
+    assert of_materials.NO_STARTING_MATERIAL.is_in(words, name=given)
     assert re.search(f"near: .*({near})", words)
     assert re.search(f"Typical of {ranges}", words)
     done = CliRunner().invoke(app, ["new", "never.toml", "--material", given])

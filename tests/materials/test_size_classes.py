@@ -88,7 +88,7 @@ def test_truncation_and_changes_are_told() -> None:
     first, second, third = sizes.origin.describe(sizes)
     assert "log-normal, median 3 mm, geometric standard deviation 1.4" in first
     assert "4 diameters of 25 % of the mass: " in first
-    assert f"the number of particles by {100 * _number_change(sizes):+.1f} %" in second
+    assert f"of particles by {100 * _number_change(sizes):+.1f} %" in second
     fine, coarse = NARROW.passing(0.002), 1 - NARROW.passing(0.006)
     assert f"The finest {100 * fine:.3g} % and the coarsest {100 * coarse:.3g} %" in third
 

@@ -206,7 +206,7 @@ def test_no_convergence_without_a_run_and_no_posterior_where_nothing_agrees(
         gf.plots.convergence(replace(saved, evaluations=()))
     with pytest.raises(InputError, match="No parameter set within the intervals agrees"):
         gf.plots.posterior(replace(saved, state="unreachable"))
-    with pytest.raises(InputError, match="No Rayleigh time step is known"):
+    with pytest.raises(InputError, match="No Rayleigh time step"):
         gf.plots.pareto(without, replace(saved.analyse(), pareto=None))
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+from grainfit.campaign import messages as of_campaign
 from grainfit.solvers.dem import messages as of_dem
 from grainfit.watch import messages
 from tests.cli.sand_files import FILE, MODEL
@@ -191,7 +192,7 @@ def test_a_work_folder_is_of_one_process_until_its_death(start: Start) -> None:
     assert first.stdout is not None
     assert first.stdout.readline().strip() == "held"
 
-    assert f"is in use by process {first.pid}" in said_by(start("-c", HOLD))
+    assert of_campaign.FOLDER_IN_USE.is_in(said_by(start("-c", HOLD)), process=first.pid)
     assert messages.NO_SIGNALS.is_in(said_by(start("-c", STOP)))
     first.kill()
     first.wait()

@@ -13,8 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grainfit.errors import InputError
+from grainfit.materials import messages as of_materials
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target, TestScope
+from grainfit.problem import messages as of_problem
 
 
 @given(st.floats(0, 1))
@@ -47,7 +49,7 @@ def test_impossible_intervals_are_refused(low: float, high: float, scale: str, w
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_targets_must_be_finite_numbers(value: float) -> None:
-    with pytest.raises(InputError, match="It must be a number"):
+    with pytest.raises(InputError, match=f"{of_problem.NO_NUMBER.pattern} It must"):
         Target("angle", value)
 
 
@@ -162,7 +164,9 @@ def test_a_rayleigh_time_step_takes_free_and_fixed_values() -> None:
 @pytest.mark.parametrize("missing", list(MODULUS_AND_RATIO))
 def test_a_rayleigh_time_step_that_lacks_a_value_is_refused(missing: str) -> None:
     fixed = {name: value for name, value in MODULUS_AND_RATIO.items() if name != missing}
-    with pytest.raises(InputError, match=f"{missing}: is neither fixed nor free"):
+    with pytest.raises(
+        InputError, match=f"{missing}: {of_materials.NEITHER_FIXED_NOR_FREE.pattern}"
+    ):
         problem_with(rayleigh=RayleighTimeStep(0.005, fixed))
 
 

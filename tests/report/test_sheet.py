@@ -63,7 +63,7 @@ def test_a_customer_gets_values_tests_forecast_and_hashes(
     assert "Hertz-Mindlin contact, EPSD rolling friction" in first
     for response in result.responses.values():
         assert plain_interval(response.target, response.tolerance) in second
-    assert "of the Rayleigh time step" in second
+    assert messages.TIME_STEP.is_in(second)
     assert "1,000,000" in second
     assert f"SHA-256 of {saved.source}" in second
     assert hashlib.sha256(saved.source_text.encode()).hexdigest() in second

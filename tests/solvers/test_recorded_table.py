@@ -98,7 +98,7 @@ def test_run_that_was_not_recorded_names_the_nearest(table, tmp_path):
     with pytest.raises(RunFailedError) as caught:
         look_up(table, tmp_path, density=1450, friction=0.4)
 
-    assert "the nearest is at density = 2000, friction = 0.5" in str(caught.value)
+    assert messages.NO_RUN_THERE.is_in(str(caught.value), there="density = 2000, friction = 0.5")
     assert caught.value.kind == "simulation"
 
 

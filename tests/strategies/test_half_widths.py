@@ -101,7 +101,7 @@ def test_a_wanted_half_width_is_reached_and_the_interval_holds_the_truth(seed: i
     for name, (low, high) in found.items():
         assert low < TRUTH[name] < high
     [notice] = search.notices
-    assert "All are within the wanted ±28 %" in notice
+    assert messages.HALF_WIDTHS_REACHED.is_in(notice, wanted="±28 %")
     assert usual.notices == ()
 
 
@@ -118,7 +118,9 @@ def test_where_the_measurements_limit_the_intervals_it_stops_and_says_so() -> No
 
     assert len(runs) <= len(few) + 2
     [notice] = search.notices
-    assert "±20 % was wanted. The measurements limit it. Any number of runs would leave" in notice
+    assert messages.HALF_WIDTHS_MISSED.is_in(notice, wanted="±20 %")
+    assert messages.MEASUREMENTS_LIMIT() in notice
+    assert messages.MORE_MEASUREMENTS_NARROW.is_in(notice)
     assert "for x" in notice
     assert "another test" in notice
 

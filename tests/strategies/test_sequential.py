@@ -237,7 +237,7 @@ def test_a_moved_bound_stays_within_physical_limits() -> None:
     assert search.answer().parameters[name] <= 1.0
     [miss] = search.answer().out_of_reach
     assert (miss.bound_value, miss.suggestion) == (1.0, None)
-    assert f"{name}.max = 0.9 was in the way and has been moved to 1." in search.notices
+    assert messages.BOUND_MOVED(bound=f"{name}.max", was=0.9, now=1) in search.notices
     assert of_verdict.NO_BOUND_BEYOND.is_in(search.notices[-1])
 
 

@@ -202,7 +202,7 @@ def test_what_no_test_settles_is_said_with_another_way() -> None:
     )
     assert found.unsettled == (RESTITUTION,)
     text = str(found)
-    assert f"None of these tests settles {RESTITUTION}." in text
+    assert messages.NOT_SETTLED_BY_ANY.is_in(text, name=RESTITUTION)
     assert "drop test" in text
     assert "Not compared: compression. Too soft." in text
     assert "Do next: draw_down (" in text

@@ -14,6 +14,7 @@ from grainfit.campaign.batch import ExpectedWork
 from grainfit.cli.app import app
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
 from grainfit.which_test import messages
+from grainfit.work_folder import messages as of_work_folder
 
 DENSITY, ROLLING = "particle.density", "particle_particle.rolling_friction"
 
@@ -38,7 +39,7 @@ def own(tmp_path_factory: pytest.TempPathFactory) -> gf.OpenedCalibration:
 
 
 def test_models_of_the_user_have_no_other_tests(own: gf.OpenedCalibration) -> None:
-    with pytest.raises(gf.InputError, match="model of your own"):
+    with pytest.raises(gf.InputError, match=of_work_folder.OWN_MODEL_NOT_IN_RUNS.pattern):
         own.advise()
 
 

@@ -87,7 +87,7 @@ def test_tables_of_several_tests_are_named_and_combined(file: Path) -> None:
     assert only.analysis.posterior is not None
     assert np.std(only.analysis.posterior.values) > 0.1
     assert any("drop.height" in note for note in only.analysis.notes)
-    with pytest.raises(gf.InputError, match=r"Write TEST=TABLE\.csv with one of shear, drop"):
+    with pytest.raises(gf.InputError, match=messages.WHICH_TEST.matching(tests="shear, drop")):
         gf.analyse_runs("shear.toml", "force.csv")
 
 
@@ -150,13 +150,15 @@ def test_an_export_of_several_tests_is_analysed_and_imported_as_it_is(exported: 
         done = CliRunner().invoke(
             app, ["runs", "import", "two.toml", "all.csv", "--test", test, "--workdir", "again"]
         )
-        assert f"Imported 9 runs of the test {test}; 0 were there already." in done.output
+        assert "Imported 9 runs" in done.output
+        assert f"{test}; 0 were there already." in done.output
     for test in ("shear", "drop"):
         done = CliRunner().invoke(
             app,
             ["runs", "import", "two.toml", "all.csv", "--test", test, "--workdir", "two.simulated"],
         )
-        assert f"Imported 0 runs of the test {test}; 9 were there already." in done.output
+        assert "Imported 0 runs" in done.output
+        assert f"{test}; 9 were there already." in done.output
 
 
 def test_a_response_is_said_to_depend_on_parameters_of_its_test_alone(exported: Path) -> None:

@@ -144,7 +144,7 @@ def test_a_parameter_of_which_the_atlas_does_not_tell_counts_as_known(plan: Path
     found = gf.design(plan, wanted=0.3)
     assert found.before.names == ("particle.density", SLIDING, ROLLING)
     words = str(found)
-    assert f"The atlas does not tell what {ENERGY} does: it counts as known." in words
+    assert messages.COUNTS_AS_KNOWN.is_in(words, name=ENERGY)
     assert "a shear test" in words
     assert "that settles every other free parameter to ± 30 %." in words
     assert f"settles {ENERGY}" not in words

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from grainfit.bulk_tests import messages as of_bulk_tests
 from grainfit.bulk_tests.heap import Heap
 from grainfit.campaign.store.store import RunRecord
 from grainfit.errors import InputError, NotMeasurableError
@@ -49,7 +50,8 @@ def test_an_incomplete_definition_is_said(tmp_path: Path, key: str) -> None:
     test = definition()
     del test[key]
     write_record(tmp_path, test)
-    with pytest.raises(InputError, match=rf"run\.json' does not define a heap test: '{key}'"):
+    damaged = of_bulk_tests.DAMAGED_DEFINITION.matching(type="heap", reason=f"{key!r} is missing")
+    with pytest.raises(InputError, match=rf"run\.json' {damaged}"):
         measure_path(tmp_path)
 
 
@@ -66,7 +68,9 @@ def test_an_incomplete_definition_is_said(tmp_path: Path, key: str) -> None:
 )
 def test_an_impossible_definition_is_said(tmp_path: Path, key: str, value: Any) -> None:
     write_record(tmp_path, {**definition(), key: value})
-    with pytest.raises(InputError, match=r"run\.json' does not define a heap test"):
+    with pytest.raises(
+        InputError, match=rf"run\.json' {of_bulk_tests.DAMAGED_DEFINITION.matching(type='heap')}"
+    ):
         measure_path(tmp_path)
 
 
