@@ -290,6 +290,7 @@ def _pages() -> Iterator[Evidence]:
     for law, outlet, c, k in (
         ("", "round", 0.58, 1.4),
         ("", "slot", 1.04, 1.4),
+        (new, "round", 0.58, 1.4),
         (new, "slot", 1.04, 1.4),
     ):
         *_, found_k, found_c = _row(hopper, f"lammps{law} | {outlet}")

@@ -41,7 +41,7 @@ MARGIN = 2.5
 CLOSE, ISOSTATIC = 0.6366, {0.0: 6.0, 10.0: 4.0}
 #: Order of bonds above which a bed is no random one.
 ORDERED = 0.2
-#: YADE takes ten times as long.
+#: YADE takes longest.
 SEEDS: Mapping[str, int] = {"lammps": 3, "liggghts": 3, "yade": 1}
 #: Young's moduli, Pa: what is compared is extrapolated from both to spheres that do not overlap.
 MODULI = (1e6, 1e7)
