@@ -28,9 +28,11 @@ from grainfit.bulk_tests.own_scene.bulk_test import OwnScene
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
 from kept_runs import mean_and, measure, read, simulate
+from rolling_programs import ConstantTorque
 
 SCENE = Path(__file__).parents[1] / "examples" / "plate_discharge" / "plate_box.py"
 DIAMETER, WIDTH, FILL_HEIGHT = 0.010, 1.0, 0.235
+PROGRAMS = {**DEM_PROGRAMS, "constant_torque": ConstantTorque}
 
 
 class Run(NamedTuple):
@@ -81,7 +83,7 @@ def record_of(run: Run) -> dict[str, Any]:
             "end_walls": run.end_walls,
         },
     )
-    return simulate(DEM_PROGRAMS[run.solver](box, material_of(run)), run.seed)
+    return simulate(PROGRAMS[run.solver](box, material_of(run)), run.seed)
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
@@ -112,7 +114,7 @@ def main() -> None:
     """Make the runs that are missing, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kept", type=Path, required=True)
-    parser.add_argument("--solver", choices=sorted(DEM_PROGRAMS), default="lammps")
+    parser.add_argument("--solver", choices=sorted(PROGRAMS), default="lammps")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--plates", type=float, nargs="+", default=[0.6])
     parser.add_argument("--depth", type=float, default=0.05)
