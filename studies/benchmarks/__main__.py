@@ -10,9 +10,18 @@ import typer
 
 from benchmarks.kept_runs import measure
 from grainfit.errors import GrainfitError
-from studies.benchmarks import gas, impacts, packings, shear
+from studies.benchmarks import drum_parts, gas, impacts, packings, sandpile, shear, silo
 from studies.benchmarks.drum_pictures import measure_pictures
-from studies.benchmarks.page import KEPT, KEPT_GASES, KEPT_PACKINGS, KEPT_SHEAR, write_page
+from studies.benchmarks.page import (
+    KEPT,
+    KEPT_DRUMS,
+    KEPT_GASES,
+    KEPT_PACKINGS,
+    KEPT_PILES,
+    KEPT_SHEAR,
+    KEPT_SILOS,
+    write_page,
+)
 from studies.names import one_of
 
 #: Steps that simulate: runs of some solvers, where they are kept, what makes one.
@@ -21,7 +30,12 @@ SIMULATED: Mapping[str, tuple[Callable[..., Any], Path, Callable[..., Any]]] = {
     "gas": (gas.all_gases, KEPT_GASES, gas.simulate),
     "packings": (packings.all_packings, KEPT_PACKINGS, packings.simulate),
     "shear": (shear.all_sheared, KEPT_SHEAR, shear.simulate),
+    "silo": (silo.all_silos, KEPT_SILOS, silo.simulate),
+    "drum": (drum_parts.all_parts, KEPT_DRUMS, drum_parts.simulate),
+    "sandpile": (sandpile.all_piles, KEPT_PILES, sandpile.simulate),
 }
+#: Runs as they were published, for a cluster.
+FULL_SIZE: Mapping[str, Callable[..., Any]] = {"silo": silo.full_silos}
 STEPS = (*SIMULATED, "pictures", "page")
 app = typer.Typer(
     add_completion=False,
@@ -47,13 +61,22 @@ def main(
     clones: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Clones of the repositories with pictures.")
     ] = None,
+    full: Annotated[
+        bool,
+        typer.Option(
+            "--full-size", help="Also the silo as it was published: a day on one processor."
+        ),
+    ] = False,
 ) -> None:
     """Make the benchmarks, or some steps of them."""
     wanted = steps or [step for step in STEPS if step != "pictures"]
     try:
         for step, (runs_of, kept, simulate) in SIMULATED.items():
-            if step in wanted and (runs := runs_of(solvers or impacts.SOLVERS)):
+            chosen = solvers or impacts.SOLVERS
+            if step in wanted and (runs := runs_of(chosen)):
                 measure(runs, kept, simulate)
+            if full and step in wanted and step in FULL_SIZE:
+                measure(FULL_SIZE[step](chosen), kept, simulate)
     except GrainfitError as error:
         typer.echo(error, err=True)
         raise typer.Exit(1) from None

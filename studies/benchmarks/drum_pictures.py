@@ -6,7 +6,8 @@ Clone ``uob-positron-imaging-centre/DigitalTwins``,
 
     python -m studies.benchmarks pictures --clones FOLDER
 
-The angle is that of the line from the axis to the centre of the bed, as of a simulated drum.
+The angle is that of the line from the axis to the centre of the bed, as of a simulated drum. It is
+also measured on the particles of two published simulations, whose outline is a picture as well.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import csv
 import itertools
 import math
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -21,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
+from scipy.spatial import cKDTree
 
 from studies.benchmarks.published import DATA
 
@@ -41,6 +44,13 @@ _PHOTOGRAPHS = (
         for speed in (10, 15, 30, 45)
     ),
 )
+#: Published particles: speed in rpm, and their folder below the clones.
+_PARTICLES = {
+    speed: f"ACCES-GranuDrum-Calibration/ACCES-DEM-Calibration/TrialSimulations/"
+    f"sim0144_{speed}rpm/post"
+    for speed in (15, 45)
+}
+_DRUM_RADIUS, _PIXELS = 0.042, 401
 #: Share of the radius within which the bed is looked for: the edge of the drum is drawn.
 _WITHIN = 0.94
 #: Share of the median brightness of the bed from which a place is of the bed.
@@ -68,9 +78,56 @@ def measure_pictures(clones: Path) -> list[Path]:
         simulated.append((*given, _SLIDINGS[sliding], _ROLLINGS[rolling], *angles))
     speeds = [f"angle_{speed}rpm_deg" for speed in LOOKUP_SPEEDS]
     return [
+        measure_particles(clones),
         _write("photographs", ["calibration", "speed_rpm", "angle_deg", "fill"], photographs),
         _write("lookup", ["size_mm", "restitution", "sliding", "rolling", *speeds], simulated),
     ]
+
+
+def measure_particles(clones: Path) -> Path:
+    """Write the angles of published particles, by centre of mass and by outline; return the path.
+
+    Parameters
+    ----------
+    clones : Path
+        Folder with the clone of ``ACCES-GranuDrum-Calibration``.
+    """
+    rows = []
+    for speed, folder in _PARTICLES.items():
+        states = [_read_vtk(path) for path in sorted((clones / folder).glob("particles_*.vtk"))]
+        angles = np.array([_angles(*state) for state in states])
+        volume = float((4 / 3 * math.pi * states[0][1] ** 3).sum())
+        row = (speed, len(states), len(states[0][1]), *angles.mean(axis=0), angles[:, 0].std())
+        rows.append((*row[:3], *(round(value, 2) for value in row[3:]), f"{volume:.4g}"))
+    angles_of = ("angle_deg", "outline_deg", "scatter_deg")
+    return _write("particles", ["speed_rpm", "states", "count", *angles_of, "volume_m3"], rows)
+
+
+def _read_vtk(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Read positions and radii of particles, m, from a binary VTK file of LIGGGHTS."""
+    content = path.read_bytes()
+    points = re.search(rb"POINTS (\d+) float\n", content)
+    assert points
+    count, start = int(points[1]), points.end()
+    places = np.frombuffer(content, ">f4", 3 * count, start).reshape(-1, 3)
+    found = re.search(rb"radius 1 %d double\n" % count, content)
+    assert found
+    radii = np.frombuffer(content, ">f8", count, found.end())
+    return places.astype(float), radii.astype(float)
+
+
+def _angles(places: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the inclination by the centre of mass, and by the outline seen along the drum."""
+    centre = np.average(places, axis=0, weights=radii**3)
+    along = np.linspace(-1, 1, _PIXELS) * _DRUM_RADIUS
+    pixels = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+    pixels = pixels[np.hypot(*pixels.T) < _WITHIN * _DRUM_RADIUS]
+    near = cKDTree(places[:, [0, 2]]).query(pixels)[0] < np.median(radii)
+    x, z = pixels[near].mean(axis=0)
+    first, second = (
+        math.degrees(math.atan2(-one, -two)) for one, two in ((centre[0], centre[2]), (x, z))
+    )
+    return first, second
 
 
 def _measured(path: Path, *, is_dark: bool) -> tuple[float, float]:

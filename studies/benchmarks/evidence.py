@@ -18,7 +18,16 @@ from typing import Any
 import numpy as np
 
 from grainfit.evaluation import Response
-from studies.benchmarks import comparisons, disagreement, gas, packings, shear
+from studies.benchmarks import (
+    comparisons,
+    disagreement,
+    drum_parts,
+    gas,
+    packings,
+    sandpile,
+    shear,
+    silo,
+)
 from studies.benchmarks.impacts import SOLVERS
 
 ROOT = Path(__file__).parents[2]
@@ -31,7 +40,7 @@ class Records:
 
     Parameters
     ----------
-    impacts, gases, packings, sheared : mapping
+    impacts, gases, packings, sheared, silos, drums, piles : mapping
         Records by run.
     """
 
@@ -39,6 +48,9 @@ class Records:
     gases: Mapping[gas.Gas, Mapping[str, Any]]
     packings: Mapping[packings.Packing, Mapping[str, Any]]
     sheared: shear.Records
+    silos: Mapping[silo.Silo, Mapping[str, Any]]
+    drums: Mapping[drum_parts.Part, Mapping[str, Any]]
+    piles: Mapping[sandpile.Pile, Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -87,6 +99,9 @@ def evidence(records: Records) -> list[Evidence]:
         *_gas(records.gases),
         *_packings(records.packings),
         *_shear(records.sheared),
+        *_silo(records.silos),
+        *_drum(records.drums),
+        *_piles(records.piles),
         *_janssen(),
         _compressed(),
         _critical(),
@@ -211,6 +226,71 @@ def _shear(records: shear.Records) -> Iterator[Evidence]:
         )
 
 
+def _silo(records: Mapping[silo.Silo, Mapping[str, Any]]) -> Iterator[Evidence]:
+    """Compare the flow out of either orifice with published ones, of eight programs."""
+    command = "python -m studies.benchmarks silo"
+    rates, ratios = {}, {}
+    for solver in SOLVERS:
+        small, large = (silo.part_of(records, solver, orifice) for orifice in (40, 60))
+        if large is None or small is None:
+            continue
+        rate, other = silo.flow(large).rate, silo.flow(small).rate
+        off = rate / silo.RATE - 1
+        rates[solver] = Result(
+            f"{rate / 1000:.1f}e3 ({100 * off:+.1f} %)", abs(off) <= silo.RATE_WITHIN
+        )
+        error = silo.ratio_error(small, large)
+        is_met = abs(rate / other - silo.RATIO) <= silo.RATIO_WITHIN + 2 * error
+        ratios[solver] = Result(f"{rate / other:.2f} ± {error:.2f}", is_met)
+    yield Evidence(
+        "flow out of a silo, 60 mm, particles a second",
+        f"{silo.RATE / 1000:.1f}e3 ± {100 * silo.RATE_WITHIN:.0f} % (eight programs)",
+        rates,
+        command,
+    )
+    reference = f"{silo.RATIO:.2f} ± {silo.RATIO_WITHIN} (eight programs)"
+    yield Evidence("its ratio to that out of 40 mm", reference, ratios, command)
+
+
+def _drum(records: Mapping[drum_parts.Part, Mapping[str, Any]]) -> Iterator[Evidence]:
+    """Compare drums like published simulated ones with their particles."""
+    for speed, (published, _) in drum_parts.published().items():
+        results = {}
+        for solver, part in drum_parts.like_the_published(speed).items():
+            if part in records:
+                off = records[part]["angle"] - published
+                words = f"{records[part]['angle']:.1f}° ({off:+.1f}°)"
+                results[solver] = Result(words, abs(off) <= drum_parts.AGREES)
+        if not results:
+            continue
+        yield Evidence(
+            f"drum of 84 mm, cellulose, {speed} rpm",
+            f"{published:.1f}° ± {drum_parts.AGREES:g}° (published DEM)",
+            results,
+            "python -m studies.benchmarks drum",
+        )
+
+
+def _piles(records: Mapping[sandpile.Pile, Mapping[str, Any]]) -> Iterator[Evidence]:
+    """Compare the heights of sandpiles by rolling model."""
+    for model, name in sandpile.NAMES.items():
+        published = {source: of[model][0] for source, of in sandpile.PUBLISHED.items()}
+        results = {}
+        for solver in SOLVERS:
+            record = records.get(sandpile.Pile(solver, model))
+            if record is not None:
+                off = [sandpile.formed(record) / height - 1 for height in published.values()]
+                shares = ", ".join(f"{100 * share:+.0f} %" for share in off)
+                is_met = max(map(abs, off)) <= sandpile.AGREES
+                results[solver] = Result(f"{sandpile.formed(record):.3f} m ({shares})", is_met)
+        yield Evidence(
+            f"height of a sandpile, {name}",
+            ", ".join(f"{height:.3f} m ({source})" for source, height in published.items()),
+            results,
+            "python -m studies.benchmarks sandpile",
+        )
+
+
 def _janssen() -> Iterator[Evidence]:
     """Compare the floor's share of the weight with Janssen's formula for the same bed."""
     records = _kept("janssen")
@@ -312,6 +392,11 @@ def _pages() -> Iterator[Evidence]:
         for solver in ("LAMMPS", "LIGGGHTS")
     }
     yield _angle("pile in a plate box", 19.7, 1.0, piles, "plate_discharge.py --kept plate.jsonl")
+    braked = {"liggghts": _row(page, "LIGGGHTS, constant torque | end walls | 0.1 | 0.2")[5]}
+    command = (
+        "plate_discharge.py --kept plate.jsonl --solver constant_torque --end-walls --depth 0.1"
+    )
+    yield _angle("the same, published rolling model, end walls", 19.7, 1.0, braked, command)
 
 
 def _kept(benchmark: str) -> list[dict[str, Any]]:

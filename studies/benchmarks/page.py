@@ -9,7 +9,16 @@ import jinja2
 
 from benchmarks.kept_runs import read
 from grainfit.files import write_atomically
-from studies.benchmarks import comparisons, disagreement, gas, packings, shear
+from studies.benchmarks import (
+    comparisons,
+    disagreement,
+    drum_parts,
+    gas,
+    packings,
+    sandpile,
+    shear,
+    silo,
+)
 from studies.benchmarks.evidence import ROOT, Records, evidence, percent
 from studies.benchmarks.gas import Gas
 from studies.benchmarks.impacts import SOLVERS, Run
@@ -22,6 +31,8 @@ _README = ROOT / "README.md"
 #: Where finished runs are kept.
 KEPT, KEPT_GASES = DATA / "impacts.jsonl", DATA / "gas.jsonl"
 KEPT_PACKINGS, KEPT_SHEAR = DATA / "packings.jsonl", DATA / "shear.jsonl"
+KEPT_SILOS, KEPT_DRUMS = DATA / "silo.jsonl", DATA / "drum.jsonl"
+KEPT_PILES = DATA / "sandpile.jsonl"
 _MARKED = re.compile("(?<=<!-- evidence -->\n).*(?=<!-- end of evidence -->)", re.DOTALL)
 
 
@@ -49,6 +60,9 @@ def kept_records() -> Records:
         read(KEPT_GASES, Gas),
         read(KEPT_PACKINGS, packings.Packing),
         read(KEPT_SHEAR, shear.Sheared),
+        read(KEPT_SILOS, silo.Silo),
+        read(KEPT_DRUMS, drum_parts.Part),
+        read(KEPT_PILES, sandpile.Pile),
     )
 
 
@@ -68,8 +82,15 @@ def page(records: Records) -> str:
         seconds=comparisons.processor_seconds(records.impacts),
         beds={
             step: [row for row in rows if row.command.endswith(step)]
-            for step in ("gas", "packings", "shear")
+            for step in ("gas", "packings", "shear", "silo", "drum", "sandpile")
         },
+        silo=silo,
+        silos=records.silos,
+        drum=drum_parts,
+        drums=records.drums,
+        programs={**NAMES, "constant_torque": "LIGGGHTS"},
+        sandpile=sandpile,
+        piles=records.piles,
         packings=packings,
         packed={
             solver: len({run.seed for run in records.packings if run.solver == solver})
