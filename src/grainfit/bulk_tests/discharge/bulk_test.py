@@ -20,6 +20,7 @@ from grainfit.bulk_tests.shared.options import (
     LENGTH,
     SLOT_WIDTH,
     TIME,
+    length_option,
 )
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE, fill_and_flow
@@ -146,18 +147,10 @@ class Discharge(BulkTest):
         example='"60 mm"',
         default=Derived("6 d", lambda s: s.usual_orifice),
     )
-    width: Amount | None = option(
-        LENGTH,
-        "Inner width of the container; with a round orifice its inner diameter.",
-        example='"160 mm"',
-        default=Derived("16 d", lambda s: s.usual("width", 16)),
+    width: Amount | None = length_option(
+        "width", 16, "Inner width of the container; with a round orifice its inner diameter."
     )
-    fill_height: Amount | None = option(
-        LENGTH,
-        FILL_HEIGHT,
-        example='"160 mm"',
-        default=Derived("16 d", lambda s: s.usual("fill_height", 16)),
-    )
+    fill_height: Amount | None = length_option("fill_height", 16, FILL_HEIGHT)
     settling_time_limit: Amount | None = option(
         TIME,
         FLOW_TIME_LIMIT,

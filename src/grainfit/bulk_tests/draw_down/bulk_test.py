@@ -25,6 +25,7 @@ from grainfit.bulk_tests.shared.options import (
     LENGTH,
     SLOT_WIDTH,
     TIME,
+    length_option,
 )
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.part_friction import friction_of_part, friction_option
@@ -167,31 +168,15 @@ class DrawDown(BulkTest):
         ),
     }
 
-    width: Amount | None = option(
-        LENGTH,
-        "Inner width of the upper box.",
-        example='"240 mm"',
-        default=Derived("24 d", lambda s: s.usual("width", 24)),
-    )
-    depth: Amount | None = option(
-        LENGTH,
+    width: Amount | None = length_option("width", 24, "Inner width of the upper box.")
+    depth: Amount | None = length_option(
+        "depth",
+        8,
         "Depth of the simulated slice; it repeats without end. The mass flow is that of this "
         "depth.",
-        example='"80 mm"',
-        default=Derived("8 d", lambda s: s.usual("depth", 8)),
     )
-    fill_height: Amount | None = option(
-        LENGTH,
-        FILL_HEIGHT,
-        example='"100 mm"',
-        default=Derived("10 d", lambda s: s.usual("fill_height", 10)),
-    )
-    slot_width: Amount | None = option(
-        LENGTH,
-        SLOT_WIDTH,
-        example='"50 mm"',
-        default=Derived("5 d", lambda s: s.usual("slot_width", 5)),
-    )
+    fill_height: Amount | None = length_option("fill_height", 10, FILL_HEIGHT)
+    slot_width: Amount | None = length_option("slot_width", 5, SLOT_WIDTH)
     shelf_thickness: Amount | None = option(
         LENGTH,
         "Thickness of the shelf, the floor of the upper box.",

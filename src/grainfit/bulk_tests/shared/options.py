@@ -33,6 +33,16 @@ def settling_option(what: str = "the bed") -> Any:
     )
 
 
+def length_option(name: str, diameters: float, what: str) -> Any:
+    """Return the option of a length of an apparatus whose setup knows the usual ones."""
+    return option(
+        LENGTH,
+        what,
+        example=f'"{10 * diameters:g} mm"',
+        default=Derived(f"{diameters:g} d", lambda s: s.usual(name, diameters)),
+    )
+
+
 def cylinder_option(what: str, diameters: int) -> Any:
     """Return the option of the radius of a cylinder; the default holds the largest particles."""
     return option(

@@ -13,7 +13,7 @@ import numpy as np
 from grainfit.bulk_tests.base import BulkTest, Checks, Parts
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.parameter_names import MODULUS
-from grainfit.bulk_tests.shared.options import LENGTH, STRESS, laboratory_gravity_option
+from grainfit.bulk_tests.shared.options import STRESS, laboratory_gravity_option, length_option
 from grainfit.bulk_tests.shared.stress import typical_load
 from grainfit.bulk_tests.shear import messages
 from grainfit.bulk_tests.shear.setup import ShearSetup
@@ -84,24 +84,13 @@ class PlaneShear(BulkTest):
         example="0.02",
         default=0.02,
     )
-    length: Amount | None = option(
-        LENGTH,
-        "Period along the shear.",
-        example='"100 mm"',
-        default=Derived("10 d", lambda s: s.usual("length", 10)),
-    )
-    depth: Amount | None = option(
-        LENGTH,
-        "Period across the shear.",
-        example='"50 mm"',
-        default=Derived("5 d", lambda s: s.usual("depth", 5)),
-    )
-    gap: Amount | None = option(
-        LENGTH,
+    length: Amount | None = length_option("length", 10, "Period along the shear.")
+    depth: Amount | None = length_option("depth", 5, "Period across the shear.")
+    gap: Amount | None = length_option(
+        "gap",
+        8.5,
         "Distance between the plates at a solid fraction of 0.58; it gives the number of "
         "particles.",
-        example='"85 mm"',
-        default=Derived("8.5 d", lambda s: s.usual("gap", 8.5)),
     )
     transient_strain: Amount = option(
         STRAIN, "Shear strain that is thrown away.", example="1.5", default=1.5

@@ -14,7 +14,7 @@ from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import Checks
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
-from grainfit.bulk_tests.shared.options import LENGTH, STRESS
+from grainfit.bulk_tests.shared.options import STRESS, length_option
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.shear.flow import (
     COLUMNS,
@@ -223,24 +223,13 @@ class ShearCell(PlaneShear):
         example="0.25",
         default=0.25,
     )
-    length: Amount | None = option(
-        LENGTH,
-        "Period along the shear.",
-        example='"140 mm"',
-        default=Derived("14 d", lambda s: s.usual("length", 14)),
-    )
-    depth: Amount | None = option(
-        LENGTH,
-        "Period across the shear.",
-        example='"70 mm"',
-        default=Derived("7 d", lambda s: s.usual("depth", 7)),
-    )
-    gap: Amount | None = option(
-        LENGTH,
+    length: Amount | None = length_option("length", 14, "Period along the shear.")
+    depth: Amount | None = length_option("depth", 7, "Period across the shear.")
+    gap: Amount | None = length_option(
+        "gap",
+        8,
         "Distance between the plates at a solid fraction of 0.58; it gives the number of "
         "particles.",
-        example='"80 mm"',
-        default=Derived("8 d", lambda s: s.usual("gap", 8)),
     )
 
     setup = cached_property(ShearCellSetup)
