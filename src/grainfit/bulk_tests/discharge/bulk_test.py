@@ -16,10 +16,9 @@ from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.flow_target import flow_depth, unusual_flow
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,
-    FLOW_TIME_LIMIT,
     LENGTH,
     SLOT_WIDTH,
-    TIME,
+    flow_settling_option,
     length_option,
 )
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
@@ -151,12 +150,7 @@ class Discharge(BulkTest):
         "width", 16, "Inner width of the container; with a round orifice its inner diameter."
     )
     fill_height: Amount | None = length_option("fill_height", 16, FILL_HEIGHT)
-    settling_time_limit: Amount | None = option(
-        TIME,
-        FLOW_TIME_LIMIT,
-        example='"8 s"',
-        default=Derived("four times the expected time of the flow", lambda s: s.usual_limit),
-    )
+    settling_time_limit: Amount | None = flow_settling_option('"8 s"', "four")
 
     setup = cached_property(DischargeSetup)
 

@@ -21,10 +21,9 @@ from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.shared.flow_target import flow_depth, unusual_flow
 from grainfit.bulk_tests.shared.options import (
     FILL_HEIGHT,
-    FLOW_TIME_LIMIT,
     LENGTH,
     SLOT_WIDTH,
-    TIME,
+    flow_settling_option,
     length_option,
 )
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
@@ -206,12 +205,7 @@ class DrawDown(BulkTest):
         "0.3",
         starter=_STARTER,
     )
-    settling_time_limit: Amount | None = option(
-        TIME,
-        FLOW_TIME_LIMIT,
-        example='"7 s"',
-        default=Derived("three times the expected time of the flow", lambda s: s.usual_limit),
-    )
+    settling_time_limit: Amount | None = flow_settling_option('"7 s"', "three")
 
     setup = cached_property(DrawDownSetup)
 

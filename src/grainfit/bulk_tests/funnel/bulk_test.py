@@ -18,7 +18,7 @@ from grainfit.bulk_tests.funnel.setup import FunnelSetup, cone_height
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
 from grainfit.bulk_tests.shared.heap_view import HeapView
-from grainfit.bulk_tests.shared.options import LENGTH, TIME
+from grainfit.bulk_tests.shared.options import LENGTH, flow_settling_option
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_part
 from grainfit.bulk_tests.shared.plate import PLATE as PLATE_SURFACE
@@ -209,12 +209,7 @@ class Funnel(BulkTest):
     rim_height: Amount = rim_option()
     plate_sliding_friction: Amount | None = plate_friction("Sliding")
     plate_rolling_friction: Amount | None = plate_friction("Rolling")
-    settling_time_limit: Amount | None = option(
-        TIME,
-        "Longest simulated time in which the bed, and after the flow the heap, may come to rest.",
-        example='"8 s"',
-        default=Derived("four times the expected time of the flow", lambda s: s.usual_limit),
-    )
+    settling_time_limit: Amount | None = flow_settling_option('"8 s"', "four", "the heap")
     views: int = views_option()
 
     setup = cached_property(FunnelSetup)

@@ -17,10 +17,6 @@ STRESS = Quantity("Pa", above_zero=True, highest=1e12)
 #: Height of a bed that is not struck off.
 FILL_HEIGHT = "Height of the bed at a solid fraction of 0.58; it gives the number of particles."
 SLOT_WIDTH = "Width of the slot. The mass flow depends on it strongly: use that of the laboratory."
-#: Time limit of tests with a door in the floor.
-FLOW_TIME_LIMIT = (
-    "Longest simulated time in which the bed, and after the flow all particles, may come to rest."
-)
 
 
 def settling_option(what: str = "the bed") -> Any:
@@ -30,6 +26,16 @@ def settling_option(what: str = "the bed") -> Any:
         f"Longest simulated time in which {what} may come to rest.",
         example='"2 s"',
         default=Derived("ten times the time of fall", lambda s: s.filling.settling_time_limit),
+    )
+
+
+def flow_settling_option(example: str, times: str, what: str = "all particles") -> Any:
+    """Return the option of the longest time in which a bed that flows out may come to rest."""
+    return option(
+        TIME,
+        f"Longest simulated time in which the bed, and after the flow {what}, may come to rest.",
+        example=example,
+        default=Derived(f"{times} times the expected time of the flow", lambda s: s.usual_limit),
     )
 
 
