@@ -236,7 +236,7 @@ def limit(records: Records, solver: str, friction: float) -> Limit | None:
     pressures = [
         record["pressure"]
         for run, record in records.items()
-        if run.friction == friction and run.inertial_number <= max(SLOW) and "pressure" in record
+        if run.friction == friction and run.inertial_number <= max(SLOW) and "angle" in record
     ]
     pressure, pressure_error = fmean(pressures), stdev(pressures) / math.sqrt(len(pressures))
     return Limit(ratio, error, pressure, pressure_error, float(solid), exponent)
