@@ -168,6 +168,11 @@ CASES = {
         starter_file(["drum"]).replace('type = "drum"', 'type = "drum"\nfroude_number = 0.05'),
         "froude_number",
     ),
+    "soft-drum": (
+        "note",
+        starter_file(["drum"]).replace('youngs_modulus = "10 MPa"', 'youngs_modulus = "0.4 MPa"'),
+        "[[test]]",
+    ),
     "few-taps": ("warning", starter_file(["tapped"]), "[[test]]"),
     "fast-compression": (
         "warning",

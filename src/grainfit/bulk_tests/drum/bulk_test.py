@@ -16,6 +16,7 @@ from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
+from grainfit.bulk_tests.drum.soft_beds import soft_drum
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
@@ -95,7 +96,7 @@ class Drum(BulkTest):
     type: ClassVar[str] = "drum"
     title: ClassVar[str] = "rotating"
     vessel: ClassVar[str] = "drum_radius"
-    checks: ClassVar[Checks] = (fast_drum, no_end_caps)
+    checks: ClassVar[Checks] = (fast_drum, soft_drum, no_end_caps)
     parts: ClassVar[Parts] = {"drum": ("drum",), "caps": _CAPS}
     shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {}

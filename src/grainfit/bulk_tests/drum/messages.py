@@ -26,6 +26,11 @@ FAST_DRUM = Message(
     "an S, and the dynamic angle is that of its centre of mass.",
     "Compare it with an angle that the laboratory measured in the same way, or turn slower.",
 )
+SOFT_DRUM = Message(
+    "particles of {number} \u03c1 g d are soft: the dynamic angle of rough spheres is about "
+    "{less:.1f} degrees below that of stiff ones, and fitted frictions make up for it.",
+    "It is less than {told:g} degrees with {enough} MPa.",
+)
 NO_ROOM = Message(
     "{fill_level:g} leaves no room to place {particle_count} particles at random.",
     "Use at most {highest:g}, or a larger drum.",
