@@ -44,6 +44,7 @@ _HASH = 12
 _SCRAMBLING = 20261127
 #: Digits of inputs and responses: more than a run tells.
 _DIGITS = 6
+_ZERO = (0.0, 0.0)
 
 
 def point(kind: type[BulkTest], number: int) -> dict[str, float]:
@@ -259,23 +260,24 @@ class Pairs(NamedTuple):
 
 
 def pairs_of(kind: type[BulkTest], surrogate: Surrogate, rows: Sequence[Row], name: str) -> Pairs:
-    """Return a response in rows of another solver and in those of LAMMPS with the same numbers.
+    """Return a response in rows of another solver and in those of LAMMPS at the same inputs.
 
-    The scatter is that of a run over its response.
+    The scatter is that of a run over its response. A response that is zero, as the flow out of an
+    arched outlet is, has no relative difference, and is left out.
     """
-    found = {row.number: row for row in surrogate.rows if name in row.responses}
-    own = [row for row in rows if name in row.responses and row.number in found]
-    scatter = (
-        relative_scatter(
-            kind.responses[name], surrogate.models[name], points_of(own, ranges_of(kind))
-        )
-        if own
-        else np.empty(0)
-    )
+    known = {row.number: row for row in surrogate.rows if row.responses.get(name, _ZERO)[0]}
+    own = [
+        row
+        for row in rows
+        if row.number in known
+        and row.inputs == known[row.number].inputs
+        and row.responses.get(name, _ZERO)[0]
+    ]
+    info, model = kind.responses[name], surrogate.models[name]
     return Pairs(
         np.array([row.responses[name][0] for row in own]),
-        np.array([found[row.number].responses[name][0] for row in own]),
-        scatter,
+        np.array([known[row.number].responses[name][0] for row in own]),
+        relative_scatter(info, model, points_of(own, ranges_of(kind))) if own else np.empty(0),
     )
 
 
