@@ -99,6 +99,26 @@ class TestOptions:
         stretched = large.record_interval(stiff) / setup.record_interval(MATERIAL)
         assert stretched == pytest.approx(8**0.5)
 
+    def test_the_control_is_slower_than_what_inelastic_contacts_answer(self) -> None:
+        setup = small().setup
+        usual, inelastic = (
+            setup.load(500.0, {**MATERIAL, "particle_wall.restitution": one}) for one in (0.6, 0.25)
+        )
+        assert inelastic.gain < 0.6 * usual.gain
+        assert inelastic.force == usual.force
+
+    @pytest.mark.slow
+    def test_a_load_is_held_by_a_bed_with_little_restitution_and_friction(
+        self, tmp_path: Path
+    ) -> None:
+        smooth = {
+            **dict.fromkeys((n for n in MATERIAL if n.endswith("restitution")), 0.25),
+            **dict.fromkeys((n for n in MATERIAL if n.endswith("sliding_friction")), 0.1),
+            **dict.fromkeys((n for n in MATERIAL if n.endswith("rolling_friction")), 0.02),
+        }
+        solver = Lammps(small(), {**MATERIAL, **smooth})
+        assert "loading_modulus" in solver.run({}, 1, Workspace(tmp_path))
+
     @pytest.mark.parametrize(
         ("options", "key"),
         [
