@@ -83,7 +83,9 @@ class Message:
             elif name is not None:
                 found += _ANYTHING
         # A field at the end may be empty, and the space before it is gone then.
-        return found.removesuffix(_ANYTHING).removesuffix(_SPACE)
+        found = found.removesuffix(_ANYTHING).removesuffix(_SPACE)
+        assert found, "a text of fields alone is in every output"
+        return found
 
     def is_in(self, output: str, **values: Any) -> bool:
         """Return whether a text has this message with these values, be its lines broken or not."""
