@@ -28,6 +28,10 @@ class _Told(NamedTuple):
     model: ResponseModel
     solver: Solver
 
+    def inside(self, points: Array) -> Array:
+        """Return points of the atlas with a chosen apparatus no farther than the rows."""
+        return clipped(points, self.reading.chosen_columns)
+
 
 class Forecast:
     """Predictions of the atlas for the targets of a problem.
@@ -115,11 +119,7 @@ class Forecast:
         """
         means, _ = self.predict(points)
         shares = [
-            relative_scatter(
-                one.reading.kind.responses[one.response],
-                one.model,
-                clipped(at, one.reading.chosen_columns),
-            )
+            relative_scatter(one.reading.kind.responses[one.response], one.model, one.inside(at))
             for one, at, _ in self._at(points)
         ]
         return np.abs(means) * np.column_stack(shares)
@@ -127,8 +127,7 @@ class Forecast:
     def chance(self, points: ArrayLike) -> Array:
         """Return the chance that runs have all responses, shape (m,): the least of them."""
         found = {
-            id(one.model.chance): (one.model, clipped(at, one.reading.chosen_columns))
-            for one, at, _ in self._at(points)
+            id(one.model.chance): (one.model, one.inside(at)) for one, at, _ in self._at(points)
         }
         return np.asarray(np.min([model.chance_at(at) for model, at in found.values()], axis=0))
 

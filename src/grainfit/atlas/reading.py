@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -154,13 +155,13 @@ class Reading:
                     messages.OUTSIDE(name=name, value=value, low=span.low, high=span.high)
                 )
 
-    @property
+    @cached_property
     def _chosen(self) -> Collection[str]:
         """Inputs that a laboratory chooses: lengths and speeds over their usual value."""
         varied = varied_of(self.kind)
         return [name for name in varied.factors if name not in varied.bounded]
 
-    @property
+    @cached_property
     def chosen_columns(self) -> tuple[int, ...]:
         """Their columns among the inputs."""
         return tuple(index for index, name in enumerate(self.ranges) if name in self._chosen)
