@@ -74,13 +74,9 @@ def _few_enough(
         InputError.raise_for(fault for test in found for fault in material_faults(test, {}))
         return found
 
-    try:
-        return 1, tests(1)
-    except InputError:
-        factor = factor_for_few(lambda factor: most_particles(tests(factor)))
-        if factor is None:
-            raise
-        return factor, tests(factor)
+    # Where no factor is possible, the faults are those of the real particles.
+    factor = factor_for_few(lambda factor: most_particles(tests(factor))) or 1.0
+    return factor, tests(factor)
 
 
 def factor_for_few(count: Callable[[float], int]) -> float | None:
@@ -109,7 +105,7 @@ def factor_for_few(count: Callable[[float], int]) -> float | None:
 
 def most_particles(tests: Iterable[BulkTest]) -> int:
     """Return the particles of the test that has most."""
-    return max(test.number_of_particles for test in tests)
+    return max((test.number_of_particles for test in tests), default=0)
 
 
 def _stiff_enough(material: StartingMaterial, tests: Sequence[BulkTest]) -> StartingMaterial:

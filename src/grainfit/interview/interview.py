@@ -102,8 +102,12 @@ class Interview(OneLine):
         given = given.strip()
         changed = self.text
         if given != question.answer and (given or ".targets." in key):
-            changed = self._with_few_particles(self._changed(key, given))
-            InputError.raise_for(self._new_faults(changed))
+            changed = self._changed(key, given)
+            faults = self._new_faults(changed)
+            if any(_ENLARGING in fault.remedy for fault in faults):
+                changed = self._with_few_particles(changed)
+                faults = self._new_faults(changed)
+            InputError.raise_for(faults)
         if not changed:
             raise InputError(messages.NO_MATERIAL.fault(key))
         asked = note(changed, answers.ASKED).split()
@@ -153,8 +157,6 @@ class Interview(OneLine):
 
     def _with_few_particles(self, changed: str) -> str:
         """Return a text with larger particles where the real ones are too many to be simulated."""
-        if not any(_ENLARGING in fault.remedy for fault in self._new_faults(changed)):
-            return changed
 
         def enlarged(factor: float) -> str:
             return with_value(changed, tuple(_ENLARGING.split(".")), f"{factor:g}")
