@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OverlapLaw(OneLine):
-    """Excess of a bulk density over that of stiff particles, as measured.
+    """Excess of a response, mostly a bulk density, over that of stiff particles, as measured.
 
     Interpolated in the logarithm of the stiffness number, and extrapolated to softer particles than
     the softest measured.

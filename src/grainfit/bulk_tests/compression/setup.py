@@ -120,7 +120,8 @@ class CompressionSetup(Setup):
         """Return the motion of the piston to a stress, Pa.
 
         Its speed is proportional to the missing force, as with a dashpot: that is stable for every
-        bed. Far from the stress it has its largest speed.
+        bed, and slower where the dashpots of its contacts would overcome it. Far from the stress it
+        has its largest speed.
         """
         modulus = _bed_modulus(material, stress)
         density = _SOLID_FRACTION * material["particle.density"]

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
-
-import numpy as np
 
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
-from grainfit.bulk_tests.stiffness import stiffness_number
+from grainfit.bulk_tests.stiffness import OverlapLaw, stiffness_number
 from grainfit.checks import Found, check
 from grainfit.formatting import number
 
 #: Stiffness numbers E / (rho g d), and degrees by which the dynamic angle of rough spheres is below
 #: that of the stiffest: mean of Froude numbers 0.005 to 0.1 (`benchmarks/soft_drums.py`).
-_FLATTENED = ((1750.0, 4.0), (7000.0, 1.9), (28_000.0, 0.7), (112_000.0, 0.0))
+_SOFTEST = 1750.0
+_FLATTENED = OverlapLaw(
+    "E/(\u03c1 g d)", ((_SOFTEST, 4.0), (7000.0, 1.9), (28_000.0, 0.7), (112_000.0, 0.0))
+)
 #: What a laboratory tells apart, degrees.
 _TOLD_APART = 0.5
 
@@ -25,14 +25,13 @@ _TOLD_APART = 0.5
 @check("soft-drum", "note")
 def soft_drum(checked: CheckedTest[Any]) -> Iterator[Found]:
     """Drums whose particles are so soft that their bed is flatter than that of stiff ones."""
-    ends = {MODULUS: checked.lowest.get(MODULUS), DENSITY: checked.highest.get(DENSITY)}
-    if not checked.targets or None in ends.values():
+    if not checked.targets or MODULUS not in checked.lowest or DENSITY not in checked.highest:
         return
-    softest = {**checked.lowest, **{name: float(value) for name, value in ends.items() if value}}
+    softest = {**checked.lowest, DENSITY: checked.highest[DENSITY]}
     value = stiffness_number(checked.test, softest)
     less = flattening(value)
     if less > _TOLD_APART:
-        enough = softest[MODULUS] * _number_with(_TOLD_APART) / value
+        enough = softest[MODULUS] * _FLATTENED.number_with(_TOLD_APART) / value
         yield (
             "",
             messages.SOFT_DRUM(
@@ -53,10 +52,4 @@ def flattening(value: float) -> float:
         Stiffness number, E / (rho g d); softer particles than were measured flatten as much as the
         softest of these.
     """
-    numbers, degrees = np.array(_FLATTENED).T
-    return float(np.interp(math.log(value), np.log(numbers), degrees))
-
-
-def _number_with(degrees: float) -> float:
-    numbers, known = np.array(_FLATTENED).T
-    return float(np.exp(np.interp(-degrees, -known, np.log(numbers))))
+    return _FLATTENED.excess(max(value, _SOFTEST))
