@@ -138,6 +138,7 @@ def of_scenes() -> list[Any]:
     ]
     others = [
         *(scenes.Clear("lid", 1.0), scenes.Loaded("lid", 0.1, 1.0), scenes.Elapsed(1.0)),
+        scenes.Drained(0.0, 0.5, 1.0),
         *(scenes.Force("lid", "z"), scenes.Frames("film", 0.1), scenes.KineticEnergy()),
         *(scenes.MassAbove(0.1), scenes.RadialForce("lid"), scenes.Travel("lid")),
         *(scenes.Load("z", 1.0, 0.1, 1.0), scenes.Rotation("z", 1.0), scenes.Velocity("z", 0.1)),

@@ -21,6 +21,7 @@ class TestDischarge(BulkTestContract):
         "width": "110 mm",
         "fill_height": "105 mm",
         "settling_time_limit": "5 s",
+        "flow_until": "rest",
         "gravity": "10 m/s^2",
         "time_step_fraction": 0.1,
     }

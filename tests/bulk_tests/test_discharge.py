@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -101,6 +102,34 @@ def test_material_that_arches_has_no_flow_as_a_result(tmp_path: Path) -> None:
     assert (tmp_path / "discharge.png").stat().st_size > 5_000
     drawn = test.view(RunOutput(tmp_path)).measured_drawing(1.0)
     assert "arches over the slot" in drawn.words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", [Lammps, pytest.param(Liggghts, marks=needs.LIGGGHTS)])
+def test_a_flow_that_is_known_ends_the_run_and_is_that_of_the_whole(
+    tmp_path: Path, solver: type[DeckSolver]
+) -> None:
+    options = {"depth": "4 cm", "width": "10 cm", "fill_height": "10 cm"}
+    found = {}
+    for until in ("measured", "rest"):
+        test = Discharge(diameter="10 mm", flow_until=until, **options)
+        (tmp_path / until).mkdir()
+        responses = solver(test, GLASS_BEADS).run({}, 1, Workspace(tmp_path / until, 300.0))
+        end = RunOutput(tmp_path / until).stages[-1]
+        found[until] = (responses, end.time, test.view(RunOutput(tmp_path / until)))
+    (known, time, view), (whole, later, _) = found["measured"], found["rest"]
+
+    assert time < 0.8 * later
+    assert known["bulk_density"] == whole["bulk_density"]
+    assert known["mass_flow"].value == pytest.approx(whole["mass_flow"].value, rel=0.03)
+    # The particles over the orifice fall: they are no arch.
+    assert view.arch == ""
+    curve, all_of_it = known["discharged_mass"], whole["discharged_mass"]
+    assert (curve.stays, all_of_it.stays) == (False, True)
+    places = np.array(curve.coordinates)
+    np.testing.assert_allclose(
+        np.interp(places, all_of_it.coordinates, all_of_it.values), curve.values, atol=0.01
+    )
 
 
 @pytest.mark.slow

@@ -82,7 +82,7 @@ def test_a_vessel_holds_what_its_section_says(orifice: str, half_angle: float, s
 def test_a_flat_hopper_has_the_walls_of_a_discharge(orifice: str) -> None:
     options = {"orifice": orifice, "width": "16 cm", "fill_height": "12 cm"}
     flat = Hopper(diameter="10 mm", half_angle="90 deg", **options).scene(GLASS_BEADS, 1)
-    discharge = Discharge(diameter="10 mm", **options).scene(GLASS_BEADS, 1)
+    discharge = Discharge(diameter="10 mm", flow_until="rest", **options).scene(GLASS_BEADS, 1)
 
     assert (flat.walls, flat.box, flat.stages) == (discharge.walls, discharge.box, discharge.stages)
     assert np.array_equal(flat.particles.positions, discharge.particles.positions)

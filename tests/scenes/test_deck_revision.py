@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import BUILT_IN, bulk_tests
@@ -28,8 +30,8 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("heap", ""): (2, 1, "a05dc8870c3b49f7"),
     ("packing", ""): (1, 1, "693b512048690ff6"),
     ("compression", ""): (1, 1, "8264f66227d16ddb"),
-    ("discharge", "slot"): (1, 1, "3e20fd7fb0dad1c4"),
-    ("discharge", "round"): (1, 1, "4f9adc92f3ea3306"),
+    ("discharge", "slot"): (1, 1, "b3c178d31a18c6e6"),
+    ("discharge", "round"): (1, 1, "1e4521dd4b909841"),
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),
     ("drum", ""): (1, 1, "f8c26efa526d5f0c"),
     ("funnel", ""): (1, 1, "97afec6bf8d9d20a"),
@@ -40,6 +42,8 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("tapped", ""): (1, 1, "271d275fba2c76ca"),
     ("triaxial", ""): (1, 1, "91412400658800fd"),
 }
+#: A discharge whose flow goes on until all is at rest, with both orifices: the only one before.
+DISCHARGES_TO_REST = {"slot": "3e20fd7fb0dad1c4", "round": "4f9adc92f3ea3306"}
 #: Revision of clumps, and of some of them time step, s, outer and smallest radius, and moments of
 #: inertia over their mass, at a diameter of 1.
 CLUMPS: dict[tuple[str, float], tuple[int, str]] = {
@@ -49,7 +53,7 @@ CLUMPS: dict[tuple[str, float], tuple[int, str]] = {
 #: Decks of YADE: a mixture in every test that it has, with its defaults.
 YADE_DECKS = {
     "compression": (1, "f2125e389da77d3d"),
-    "discharge": (1, "1ec054f0acf0fca0"),
+    "discharge": (1, "18d2c310c4ea4750"),
     "draw_down": (1, "a58c078724fc0f18"),
     "drum": (1, "41aeb0bff972f2da"),
     "funnel": (1, "7e14927997cfa7d2"),
@@ -85,19 +89,36 @@ def test_decks_are_those_of_their_revision(tmp_path: Path, solver: str) -> None:
     assert (SCENES_REVISION, digest.hexdigest()[:16]) == DECKS[solver], f"decks {CHANGED}"
 
 
-@pytest.mark.parametrize(("name", "orifice"), DEFAULT_DECKS)
-def test_default_decks_are_those_of_their_revision(tmp_path: Path, name: str, orifice: str) -> None:
+def hashed_decks(tests: Iterable[BulkTest], folder: Path) -> str:
+    """Return the hash of the decks of tests, of LAMMPS and LIGGGHTS where they have the shapes."""
     digest = hashlib.sha256()
-    kind = bulk_tests()[name]
-    for sizes in (BEADS, MIXTURE):
-        test = kind(sizes, **({"orifice": orifice} if orifice else {}))
+    for test in tests:
         for solver in ("lammps", "liggghts"):
             if not concepts(test) & set(DEM_PROGRAMS[solver].missing):
-                deck = write_deck(test, tmp_path / solver, solver, GLASS_BEADS, seed=1)
+                deck = write_deck(test, folder / solver, solver, GLASS_BEADS, seed=1)
                 digest.update(deck.read_bytes())
-    found = (kind.revision, SCENES_REVISION, digest.hexdigest()[:16])
+    return digest.hexdigest()[:16]
+
+
+@pytest.mark.parametrize(("name", "orifice"), DEFAULT_DECKS)
+def test_default_decks_are_those_of_their_revision(tmp_path: Path, name: str, orifice: str) -> None:
+    kind = bulk_tests()[name]
+    options = {"orifice": orifice} if orifice else {}
+    tests = [kind(sizes, **options) for sizes in (BEADS, MIXTURE)]
+    found = (kind.revision, SCENES_REVISION, hashed_decks(tests, tmp_path))
 
     assert found == DEFAULT_DECKS[name, orifice], f"decks {CHANGED_TEST}"
+
+
+@pytest.mark.parametrize(("orifice", "known"), DISCHARGES_TO_REST.items())
+def test_a_discharge_to_rest_is_the_run_of_before(tmp_path: Path, orifice: str, known: str) -> None:
+    kind = bulk_tests()["discharge"]
+    tests = [kind(sizes, orifice=orifice, flow_until="rest") for sizes in (BEADS, MIXTURE)]
+
+    assert hashed_decks(tests, tmp_path) == known
+    assert "flow_until" not in tests[0].definition()
+    again = kind.from_definition(tests[0].definition())
+    assert again.definition() == tests[0].definition()
 
 
 @pytest.mark.parametrize(("family", "aspect_ratio"), CLUMPS)

@@ -80,6 +80,8 @@ class BulkTest(OneLine, ABC):
     responses: ClassVar[Mapping[str, ResponseInfo]]
     #: Responses that are curves, by name.
     curves: ClassVar[Mapping[str, CurveInfo]] = {}
+    #: Options of a test with measured curves, where their defaults are of tests without.
+    curve_options: ClassVar[Mapping[str, str]] = {}
     #: Parts that can be of different materials, each with its walls in the scene, the part that
     #: touches most particles first; None where every wall of the scene is a part.
     parts: ClassVar[Parts | None] = None

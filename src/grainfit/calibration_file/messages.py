@@ -199,6 +199,9 @@ NO_UNCERTAINTY_OF_CURVE = Message(
     "file a column with the standard error, or two with the standard deviation and the number "
     "of measurements.",
 )
+CURVE_NEEDS = Message(
+    "does not go as far as the curve {curve}.", 'Remove it, or set {name} = "{value}".'
+)
 BESIDE_COVARIANCE = Message("is given beside covariance.", "The covariance says it: remove {key}.")
 NO_TEST = Message("is missing.", "Add a section [[test]] with type and targets.")
 NOTHING_FREE = Message(

@@ -159,6 +159,16 @@ def _or_measured(
     return OrMeasured(otherwise, measured) if measured else otherwise
 
 
+def _set_for_curves(
+    needed: Mapping[str, str], curves: Sequence[CurveTarget], values: Values, place: Place
+) -> None:
+    """Set the options that measured curves need; note one that has another value."""
+    for name, value in needed.items():
+        if values.get(name) not in (None, value):
+            place.at(name).fault(messages.CURVE_NEEDS, curve=curves[0].name, name=name, value=value)
+        values[name] = value
+
+
 def _specification(kind: TestType, values: Values, place: Place) -> TestSpecification | None:
     if kind.check is not None:
         kind.check(values, place)
@@ -173,6 +183,8 @@ def _specification(kind: TestType, values: Values, place: Place) -> TestSpecific
     names = [target.name for target in numbers]
     if note_bad_correlations(correlations, names, place.at(CORRELATIONS.name)):
         return None
+    if curves and kind.bulk_test is not None:
+        _set_for_curves(kind.bulk_test.curve_options, curves, values, place)
     name, repeats = values.pop("name", values["type"]), values.pop(_REPEATS.name, 1)
     return TestSpecification(
         name,

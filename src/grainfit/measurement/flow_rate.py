@@ -49,7 +49,9 @@ class FlowRate:
         return Response(self.value, self.standard_error)
 
 
-def discharged_mass(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Curve:
+def discharged_mass(
+    time: NDArray[np.float64], remaining: NDArray[np.float64], *, is_whole: bool = True
+) -> Curve:
     """Return the mass that has left a container over the time since its orifice was opened.
 
     Parameters
@@ -57,15 +59,21 @@ def discharged_mass(time: NDArray[np.float64], remaining: NDArray[np.float64]) -
     time : ndarray of shape (n,)
         s, increasing.
     remaining : ndarray of shape (n,)
-        Mass in the container, kg; the flow has ended at the end of the series.
+        Mass in the container, kg.
+    is_whole : bool
+        The flow has ended at the end of the series.
     """
     left = np.maximum.accumulate(remaining[0] - remaining)
     times = np.linspace(0.0, time[-1] - time[0], _CURVE_POINTS)
-    return Curve(times.tolist(), np.interp(times, time - time[0], left).tolist(), stays=True)
+    return Curve(times.tolist(), np.interp(times, time - time[0], left).tolist(), stays=is_whole)
 
 
-def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> FlowRate:
-    """Measure the mass flow while 10 to 50 % of the mass that will leave have left.
+def flow_rate(
+    time: NDArray[np.float64], remaining: NDArray[np.float64], *, is_whole: bool = True
+) -> FlowRate:
+    """Measure the mass flow while 10 to 50 % of the mass have left.
+
+    It is the mass that leaves, or all of it where the flow goes on after the series.
 
     The flow is the mass that leaves in this part over its duration. The part is cut into five of
     equal duration; the standard error follows from the differences between the flows of
@@ -78,7 +86,9 @@ def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Flow
     time : ndarray of shape (n,)
         s, increasing.
     remaining : ndarray of shape (n,)
-        Mass in the container, kg; the flow has ended at the end of the series.
+        Mass in the container, kg.
+    is_whole : bool
+        The flow has ended at the end of the series.
 
     Raises
     ------
@@ -87,9 +97,9 @@ def flow_rate(time: NDArray[np.float64], remaining: NDArray[np.float64]) -> Flow
     """
     _require_series(time)
     left = np.maximum.accumulate(remaining[0] - remaining)
-    total = float(left[-1])
-    if total <= 0:
+    if left[-1] <= 0:
         raise NotMeasurableError(messages.NO_FLOW())
+    total = float(left[-1] if is_whole else remaining[0])
     low, high = (_time_of(time, left, share * total) for share in _WINDOW)
     records = int(((time >= low) & (time <= high)).sum())
     if records < _FEWEST_RECORDS * _PARTS:

@@ -9,7 +9,7 @@ from typing import Any
 
 from grainfit.formatting import in_a_row, number
 from grainfit.formatting import millimetres as _mm
-from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.conditions import AtRest, Clear, Drained, Elapsed, Loaded
 from grainfit.scenes.scene import WALL, Load, Rotation, Scene, Stage, Velocity, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Prism
 from grainfit.scenes.stl import read_stl
@@ -64,6 +64,10 @@ _ENDS: Mapping[type, Callable[[Any], str]] = {
     Loaded: lambda u: (
         f"until the {_words(u.wall)} holds its load within {number(100 * u.within, 2)} % and the "
         f"particles rest (at most {_s(u.limit)})"
+    ),
+    Drained: lambda u: (
+        f"until {number(100 * u.share, 2)} % of the mass is no more above {_mm(u.height)}, or the "
+        f"particles rest ({_between(u.at_least, u.limit)})"
     ),
     Elapsed: lambda u: f"for {_s(u.time)}",
 }

@@ -2,6 +2,7 @@
 
 from grainfit.scenes.conditions import AtRest as AtRest
 from grainfit.scenes.conditions import Clear as Clear
+from grainfit.scenes.conditions import Drained as Drained
 from grainfit.scenes.conditions import Elapsed as Elapsed
 from grainfit.scenes.conditions import Loaded as Loaded
 from grainfit.scenes.glued import Glued as Glued

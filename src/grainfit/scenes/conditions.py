@@ -57,10 +57,32 @@ class Loaded:
 
 
 @dataclass(frozen=True)
+class Drained:
+    """A share of the loose particles' mass is not above a height any more, or all are at rest.
+
+    Parameters
+    ----------
+    height : float
+        m.
+    share : float
+        Share of the mass at the beginning of the scene, above 0 and up to 1.
+    limit : float
+        Particles that are still moving after this time fail the run.
+    at_least : float
+        The first look is after this time.
+    """
+
+    height: float
+    share: float
+    limit: float
+    at_least: float = 0.0
+
+
+@dataclass(frozen=True)
 class Elapsed:
     """A time has passed."""
 
     time: float
 
 
-Condition = AtRest | Clear | Loaded | Elapsed
+Condition = AtRest | Clear | Loaded | Drained | Elapsed

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grainfit.scenes.conditions import AtRest, Condition, Elapsed
+from grainfit.scenes.conditions import AtRest, Condition, Drained, Elapsed
 from grainfit.scenes.scene import Scene
 
 #: Beds come to rest soon after the first look, and long before the limit.
@@ -20,6 +20,6 @@ def expected_duration(scene: Scene) -> float:
 def _expected(until: Condition) -> float:
     if isinstance(until, Elapsed):
         return until.time
-    if isinstance(until, AtRest):
+    if isinstance(until, AtRest | Drained):
         return max(_AFTER_FIRST_LOOK * until.at_least, _SHARE_OF_REST * until.limit)
     return _SHARE_OF_LIMIT * until.limit

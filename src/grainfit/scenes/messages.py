@@ -88,6 +88,7 @@ TAKEN_NAME = Message("{name!r} has another meaning in decks.", "Use another name
 NAME_TWICE = Message("{name!r} is there twice.", "Give each a name of its own.")
 NO_WALL = Message("{does} the wall {name!r}, which is not there.", "Walls of that stage: {known}.")
 NO_TIME = Message("has the {name} {value!r}.", "Give a time in s, above 0.")
+NO_SHARE = Message("ends with {value!r} of the mass.", "Give a share above 0 and up to 1.")
 NO_FRAME_INTERVAL = Message("has frames every {value!r} s.", "Give a time above 0.")
 NO_RECORD_INTERVAL = Message("records every {value!r} s.", "Give a time above 0.")
 RECORD_AXIS = Message("records {column} along {axis!r}.", "Use x, y or z.")
@@ -96,7 +97,7 @@ TRAVEL_WITHOUT_AXIS = Message(
 )
 ENDS_AT_ONCE = Message(
     "ends at rest: a bed that is at rest when it begins ends it at once.",
-    "Give AtRest an at_least, s.",
+    "Give the condition an at_least, s.",
 )
 NOT_CLEARED = Message(
     "ends when {wall!r} is clear, which is no upright Cylinder.",

@@ -50,7 +50,7 @@ _SHARE_OF_PERIOD = 0.25
 _TAKEN = {
     "walls": {
         *("gravity", "motion", "series", "walls", "above", "all", "loose", "glued", "surplus"),
-        *("beyond", "clumps", "bodies", "remains"),
+        *("beyond", "clumps", "bodies", "remains", "undrained"),
         *("youngs_modulus", "poissons_ratio"),
     },
     "stages": {"end", "restless", "broken", "unstable", "unloaded"},

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from grainfit.arrays import Array
 from grainfit.errors import Fault
 from grainfit.scenes import messages
-from grainfit.scenes.conditions import AtRest, Elapsed
+from grainfit.scenes.conditions import AtRest, Condition, Drained, Elapsed
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force
@@ -234,11 +234,7 @@ def _radii(shape: Shape) -> tuple[float, ...]:
 
 def _stage_faults(stage: Stage) -> Iterator[Fault]:
     key = f"stage {stage.name}"
-    until = stage.until
-    times = {"time": until.time} if isinstance(until, Elapsed) else {"limit": until.limit}
-    for name, value in times.items():
-        if not (_is_number(value) and value > 0):
-            yield messages.NO_TIME.fault(key, name=name, value=value)
+    yield from _end_faults(key, stage.until)
     for name in stage.motions:
         for motion in stage.motions_of(name):
             yield from _motion_faults(key, name, motion)
@@ -250,6 +246,15 @@ def _stage_faults(stage: Stage) -> Iterator[Fault]:
         for column, quantity in stage.series.columns.items():
             if isinstance(quantity, Force) and quantity.along not in _AXES:
                 yield messages.RECORD_AXIS.fault(key, column=column, axis=quantity.along)
+
+
+def _end_faults(key: str, until: Condition) -> Iterator[Fault]:
+    times = {"time": until.time} if isinstance(until, Elapsed) else {"limit": until.limit}
+    for name, value in times.items():
+        if not (_is_number(value) and value > 0):
+            yield messages.NO_TIME.fault(key, name=name, value=value)
+    if isinstance(until, Drained) and not (_is_number(until.share) and 0 < until.share <= 1):
+        yield messages.NO_SHARE.fault(key, value=until.share)
 
 
 def _motion_faults(key: str, name: str, motion: Motion) -> Iterator[Fault]:
@@ -265,5 +270,5 @@ def _order_faults(scene: Scene) -> Iterator[Fault]:
         yield messages.NO_STAGES.fault("stages")
     for stage in scene.stages[1:]:
         changes = stage.take_away or stage.put or stage.strike_off is not None or stage.motions
-        if isinstance(stage.until, AtRest) and changes and not stage.until.at_least > 0:
+        if isinstance(stage.until, AtRest | Drained) and changes and not stage.until.at_least > 0:
             yield messages.ENDS_AT_ONCE.fault(f"stage {stage.name}")

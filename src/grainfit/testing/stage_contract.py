@@ -10,7 +10,7 @@ import pytest
 
 from grainfit.errors import RunFailedError
 from grainfit.measurement.particles import read_frames
-from grainfit.scenes.conditions import AtRest, Clear, Elapsed
+from grainfit.scenes.conditions import AtRest, Clear, Drained, Elapsed
 from grainfit.scenes.film import FILM, Film
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.records import (
@@ -102,6 +102,27 @@ class StageContract(SimulatedScenes):
         assert not (out.folder / "snapshots/late.dump").exists()
         with pytest.raises(RunFailedError, match="did not come to rest in the settle stage"):
             out.require_complete(["settle", "after"], "box")
+
+    @pytest.mark.parametrize(("share", "expected"), [(0.3, 0.05), (0.6, 0.08), (1.0, 0.217)])
+    def test_a_stage_ends_once_a_share_has_drained_or_the_rest_is_at_rest(
+        self, run: Run, share: float, expected: float
+    ) -> None:
+        walls = {"table": Wall(Block((-0.02, -0.02, -0.02), (0.02, 0.02, 0.0)))}
+        falls = [GRAVITY * time**2 / 2 for time in (0.05, 0.08)]
+        particles = spheres([(0, 0, RADIUS), *((0.05 + fall, 0, fall) for fall in falls)])
+        box = replace(BOX, low=(-0.1, -0.1, -0.2))
+        until = Drained(0.0, share, 1.0, at_least=0.01)
+        scene = scene_of(particles, walls, [Stage("drain", until)], DAMPED, box=box)
+        (end,) = run(scene).require_complete(["drain"], "box")
+
+        assert end.end == "done"
+        assert end.particles == (1 if share == 1.0 else 3)
+        assert expected - scene.time_step <= end.time <= expected + 1.1 * scene.check_interval
+
+    def test_what_goes_on_falling_without_draining_fails_the_run(self, run: Run) -> None:
+        stages = [Stage("drain", Drained(-1.0, 0.5, 0.05, at_least=0.01))]
+        out = run(scene_of(spheres([(0, 0, 0.1)]), FLOOR, stages, DAMPED))
+        assert [end.end for end in out.stages] == ["restless"]
 
     @pytest.mark.parametrize(("limit", "expected"), [(1.0, 0.17), (0.05, 0.05)])
     def test_a_lift_ends_once_the_tube_is_clear_or_at_its_limit(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 from grainfit.bulk_tests.abilities import CurveRange
 from grainfit.bulk_tests.base import BulkTest, Checks, Parts
-from grainfit.bulk_tests.discharge.setup import ROUND, SLOT, DischargeSetup
+from grainfit.bulk_tests.discharge.setup import AT_REST, MEASURED, ROUND, SLOT, DischargeSetup
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import CurveInfo, ResponseInfo
@@ -50,9 +50,9 @@ class Discharge(BulkTest):
 
     Particles rain into a container. Once the bed is at rest its bulk density is measured, and the
     orifice in the middle of its flat floor is opened. The mass in the container is recorded until
-    nothing moves any more; particles that have left are gone. A material that arches over the
-    orifice has a mass flow of zero. With a slot the container is a slice
-    of periodic depth without end walls, with a round orifice it is a cylinder.
+    its flow is known, or until nothing moves any more; particles that have left are gone. A
+    material that arches over the orifice has a mass flow of zero. With a slot the container is a
+    slice of periodic depth without end walls, with a round orifice it is a cylinder.
 
     Defaults follow the Sauter diameter d of the particles, and are never smaller than the largest
     particles allow; times follow d by Froude's law. The options are the fields below, as in the
@@ -86,6 +86,7 @@ class Discharge(BulkTest):
         "width",
         Range(0.8, 1.3, power=-1),
         factors={"slot_width": Range(0.8, 1.6), "fill_height": Range(0.7, 1.4)},
+        indifferent=("flow_until",),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": ResponseInfo(
@@ -151,11 +152,33 @@ class Discharge(BulkTest):
     )
     fill_height: Amount | None = length_option("fill_height", 16, FILL_HEIGHT)
     settling_time_limit: Amount | None = flow_settling_option('"8 s"', "four")
+    flow_until: str = option(
+        Choice((MEASURED, AT_REST)),
+        f'End of a run: `"{MEASURED}"`, once 55 % of the mass has flowed out, or `"{AT_REST}"`, '
+        "once all is at rest, as a measured curve needs.",
+        example=f'"{AT_REST}"',
+        default=MEASURED,
+        default_text=f'`"{MEASURED}"`; `"{AT_REST}"` with a measured `discharged_mass`',
+    )
+    curve_options: ClassVar[Mapping[str, str]] = {"flow_until": AT_REST}
 
     setup = cached_property(DischargeSetup)
 
     size_powers: ClassVar[Mapping[str, float | None]] = {}
     flow_powers: ClassVar[Mapping[str, float]] = {"mass_flow": 1}
+
+    def definition(self) -> dict[str, Any]:
+        """Return everything in the test that affects a run's outcome, as JSON."""
+        found = super().definition()
+        if self.flow_until == AT_REST:
+            # As before there was another end.
+            found.pop("flow_until", None)
+        return found
+
+    @classmethod
+    def from_definition(cls, definition: Mapping[str, Any]) -> Self:
+        """Rebuild the test from the definition in the record of a run."""
+        return super().from_definition({"flow_until": AT_REST, **definition})
 
     @property
     def outlet_flow(self) -> float:
@@ -236,7 +259,7 @@ class Discharge(BulkTest):
             for name, response in others.items()
         )
         view.picture(picture, flow, f"{', '.join(known)} (± standard error)")
-        curve = discharged_mass(view.time, view.mass)
+        curve = discharged_mass(view.time, view.mass, is_whole=view.is_whole)
         return {"mass_flow": flow.response, **others, "discharged_mass": curve}
 
     def _beside_flow(
@@ -256,7 +279,7 @@ class Discharge(BulkTest):
 
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
-        return self.setup.filling.usual_time + self.setup.flow_time
+        return self.setup.filling.usual_time + self.setup.shown_time
 
     def view(self, run: RunOutput) -> DischargeView:
         """Read the end of a run, to be drawn."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -11,11 +12,17 @@ from grainfit.bulk_tests.shared.filling import count_faults
 from grainfit.bulk_tests.shared.flow_setup import FlowSetup
 from grainfit.bulk_tests.shared.round_container import RoundContainer
 from grainfit.bulk_tests.shared.slot_box import SlotBox, flow_time
+from grainfit.bulk_tests.shared.slot_scene import Flow
 from grainfit.bulk_tests.shared.vessel import Vessel
 from grainfit.errors import Fault
 from grainfit.scenes.packing import Footprint, Rectangle, Round
 
 SLOT, ROUND = "slot", "round"
+#: Ends of the flow: once it is measured, or once all is at rest.
+MEASURED, AT_REST = "measured", "rest"
+#: Share of the mass that flows out of a container until its flow is known: it is measured up to a
+#: half.
+_KNOWN = 0.55
 #: Default diameter of a round orifice, in Sauter diameters; it is not smaller than so many of the
 #: largest particles.
 _ORIFICE, _LEAST_ORIFICE = 6, 5.0
@@ -113,6 +120,21 @@ class DischargeSetup(FlowSetup):
     def footprint(self) -> Footprint:
         """Cross-section of the container."""
         return Round(self.half_width) if self.is_round else Rectangle(self.width, self.depth)
+
+    @property
+    def flow(self) -> Flow:
+        """Times of the flow, and its end."""
+        return replace(super().flow, share=self.known_share)
+
+    @property
+    def known_share(self) -> float | None:
+        """Share of the mass with which the flow ends; None where it ends at rest."""
+        return _KNOWN if self.flow_until == MEASURED else None
+
+    @property
+    def shown_time(self) -> float:
+        """Expected time from the opening of the orifice to the end of the run, s."""
+        return self.flow_time if self.known_share is None else self.known_share * self.beverloo_time
 
     @property
     def underside(self) -> float:

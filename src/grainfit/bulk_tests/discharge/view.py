@@ -31,6 +31,8 @@ _HALF_WIDTH = 400
 #: Drawings of the container have this many pixels in a particle diameter.
 _PIXELS = 20
 _SPACE = 12
+#: Share of the mass that may leave between the last record and the end of a run.
+_RECORDED_BEFORE = 0.025
 
 
 @dataclass(frozen=True)
@@ -90,8 +92,18 @@ class DischargeView(RunView):
         return (self.setup.container.period or 0.0) / 2
 
     @property
+    def is_whole(self) -> bool:
+        """Whether the run went on until all was at rest."""
+        share = self.setup.known_share
+        if share is None:
+            return True
+        return bool(self.mass[-1] > (1 - share + _RECORDED_BEFORE) * self.mass[0])
+
+    @property
     def arch(self) -> str:
         """Description of an arch over the orifice that has stopped the flow; empty without one."""
+        if not self.is_whole:
+            return ""
         container, positions = self.setup.container, self.end.positions
         is_slot = container.period is not None
         across = positions[:, 0] if is_slot else np.hypot(positions[:, 0], positions[:, 1])
@@ -108,7 +120,7 @@ class DischargeView(RunView):
         """
         if self.arch:
             return stopped_flow(self.time, self.mass, float(self.end.masses.mean()))
-        return flow_rate(self.time, self.mass)
+        return flow_rate(self.time, self.mass, is_whole=self.is_whole)
 
     def picture(self, path: Path, flow: FlowRate | str, words: str = "") -> None:
         """Write a PNG of the rest in the container and of the mass in it over time.
@@ -120,7 +132,7 @@ class DischargeView(RunView):
             title, subtitle, fitted = f"{path.stem.capitalize()}: not valid", flow, None
         else:
             title = f"Mass flow {flow.value:.3g} ± {flow.standard_error:.1g} kg/s"
-            how = "the flow is measured while 10 to 50 % of the mass that leaves has left"
+            how = f"the flow is measured while {self._window} has left"
             subtitle, fitted = f"{words}; {self.arch or how}{self.drawn_when}", flow
         panels = [
             SideView(self._shown, self._extent, (), lines=self._walls).panel(_PANEL_WIDTH),
@@ -137,6 +149,10 @@ class DischargeView(RunView):
             label = f"fitted: {flow.value:.3g} kg/s"
             lines.append(PlottedLine(times - self.time[0], masses, label, FLANK, 4))
         return line_panel(lines, "time, s", "mass in the container, kg", _MASS_SIZE)
+
+    @property
+    def _window(self) -> str:
+        return f"10 to 50 % of the mass{' that leaves' if self.is_whole else ''}"
 
     @property
     def _shown(self) -> Particles:
@@ -204,10 +220,7 @@ class DischargeView(RunView):
         wanted = [] if target is None else [line(target)]
         curve = (self.time - begin, self.mass)
         drawing = scale.drawing([curve], [line(flow.value)], wanted)
-        words = (
-            "slope of the drawn mass in the container over time, while 10 to 50 % of the mass that "
-            "leaves has left"
-        )
+        words = f"slope of the drawn mass in the container over time, while {self._window} has left"
         return MeasuredDrawing(drawing, self.arch or words)
 
     def outlines(self) -> Sequence[Outline]:

@@ -10,7 +10,7 @@ from typing import ClassVar, Self
 
 from grainfit.bulk_tests.base import Parts
 from grainfit.bulk_tests.discharge import Discharge
-from grainfit.bulk_tests.discharge.setup import ROUND, SLOT
+from grainfit.bulk_tests.discharge.setup import AT_REST, ROUND, SLOT
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.hopper.setup import HopperSetup
 from grainfit.bulk_tests.parameter_names import DENSITY
@@ -150,6 +150,9 @@ class Hopper(Discharge):
         example='"2 kg"',
         default=Derived("that of the height"),
     )
+
+    flow_until: ClassVar[str] = AT_REST  # type: ignore[misc]
+    curve_options: ClassVar[Mapping[str, str]] = {}
 
     setup = cached_property(HopperSetup)
 

@@ -23,6 +23,9 @@ _SOME_DENSITY = 1000.0
 class HopperSetup(DischargeSetup):
     """Geometry and procedure of a hopper."""
 
+    #: What stays, and how long it takes, is known at rest alone.
+    known_share = None
+
     @property
     def usual_width(self) -> float:
         """Default of the inner width of the vessel, m."""

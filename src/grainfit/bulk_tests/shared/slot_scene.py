@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.shared.filling import Filling
-from grainfit.scenes.conditions import AtRest
+from grainfit.scenes.conditions import AtRest, Condition, Drained
 from grainfit.scenes.records import MassAbove, Series
 from grainfit.scenes.scene import Stage
 
@@ -30,10 +30,24 @@ class Flow:
         Shortest time of the flow.
     limit : float
         Longest time in which the particles may come to rest.
+    share : float, optional
+        Share of the mass with which the flow ends; by default it goes on until all is at rest.
     """
 
     shortest: float
     limit: float
+    share: float | None = None
+
+    @property
+    def end(self) -> str:
+        """What the flow goes on for, in words."""
+        return "all is at rest" if self.share is None else "its flow is known"
+
+    def until(self, underside: float) -> Condition:
+        """Return the end of the flow out of a container whose underside is at a height, m."""
+        if self.share is None:
+            return AtRest(self.limit, at_least=self.shortest)
+        return Drained(underside, self.share, self.limit, at_least=self.shortest)
 
 
 def fill_and_flow(filling: Filling, flow: Flow, underside: float) -> tuple[Stage, ...]:
@@ -53,8 +67,8 @@ def fill_and_flow(filling: Filling, flow: Flow, underside: float) -> tuple[Stage
         filling.stage(flow.limit, BED),
         Stage(
             FLOW,
-            AtRest(flow.limit, at_least=flow.shortest),
-            "the door is taken away; until all is at rest",
+            flow.until(underside),
+            f"the door is taken away; until {flow.end}",
             take_away=("door",),
             series=Series({INSIDE: MassAbove(underside)}, every),
             snapshot=END,

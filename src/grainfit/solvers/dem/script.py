@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.scenes.conditions import AtRest, Clear, Condition, Elapsed, Loaded
+from grainfit.scenes.conditions import AtRest, Clear, Condition, Drained, Elapsed, Loaded
 from grainfit.scenes.film import FILM
 from grainfit.scenes.records import (
     Force,
@@ -30,6 +30,8 @@ from grainfit.solvers.dem.script_syntax import command, continued, heading
 PARTICLES = "particles.data"
 #: Name of the dump of the whole run: one that no snapshot of a scene has.
 _FILM_DUMP = "film.of.run"
+#: Region and variable of the mass that a stage waits for to drain.
+_UNDRAINED = "undrained"
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
@@ -344,13 +346,13 @@ class ScriptDeck(SceneDeck):
         if isinstance(until, Elapsed):
             yield from self.steps(stage, scene.steps(until.time))
             return
-        if isinstance(until, AtRest):
+        yield from self.looked_at(until)
+        if isinstance(until, AtRest | Drained):
             # Particles that have not begun to fall are not at rest.
             first = scene.check_interval if stage is scene.stages[0] else 0.0
             if max(until.at_least, first) > 0:
                 yield from self.steps(stage, scene.steps(max(until.at_least, first)))
             return
-        yield from self.looked_at(until)
         yield from self.steps(stage, scene.steps(scene.check_interval))
 
     def looked_at(self, until: Condition, near: str = "0") -> Iterator[str]:
@@ -362,6 +364,8 @@ class ScriptDeck(SceneDeck):
             yield command("variable", f"highest equal bound({self.loose},zmax)")
         elif isinstance(until, Loaded):
             yield command("variable", f"near equal {near}")
+        elif isinstance(until, Drained):
+            yield from self.record_mass_above(until.height, _UNDRAINED)
 
     def steps(self, stage: Stage, number: int, without: str = "post no") -> Iterator[str]:  # noqa: ARG002
         """Simulate time steps of a stage."""
@@ -372,11 +376,14 @@ class ScriptDeck(SceneDeck):
         yield command("variable", "passed equal ${now}")
         yield command("variable", "count equal ${remaining}")
 
-    def _conditions(self, until: AtRest | Clear | Loaded, name: str) -> Iterator[str]:
+    def _conditions(self, until: AtRest | Clear | Loaded | Drained, name: str) -> Iterator[str]:
         """Iterate over the conditions that end a stage well."""
         rest = f"${{energy}} < {self.scene.energy_at_rest}"
         if isinstance(until, AtRest):
             yield self._jump(rest, f"{name}_done")
+        elif isinstance(until, Drained):
+            least = (1 - until.share) * self.scene.mass
+            yield self._jump(f"(${{{_UNDRAINED}}} <= {least}) || ({rest})", f"{name}_done")
         elif isinstance(until, Clear):
             bottom = self.scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
             radius = self.largest_radius

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from grainfit.scenes.conditions import AtRest, Elapsed
+from grainfit.scenes.conditions import AtRest, Drained, Elapsed
 from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Recorded, Travel
 from grainfit.scenes.run_output import STAGES, RunOutput, series_file, snapshot_file
@@ -91,7 +91,7 @@ class EmptyBox:
         scene, until = self._scene, stage.until
         if isinstance(until, Elapsed):
             return scene.steps(until.time)
-        if isinstance(until, AtRest):
+        if isinstance(until, AtRest | Drained):
             return scene.steps(until.at_least) if until.at_least > 0 else 0
         return scene.steps(scene.check_interval)
 

@@ -17,7 +17,7 @@ from grainfit.contact_models.yade import (
     yade_physics,
 )
 from grainfit.errors import InputError
-from grainfit.scenes.conditions import AtRest, Clear, Elapsed, Loaded
+from grainfit.scenes.conditions import AtRest, Clear, Drained, Elapsed, Loaded
 from grainfit.scenes.film import FILM
 from grainfit.scenes.records import Force, MassAbove, RadialForce, Recorded, Travel
 from grainfit.scenes.run_output import STAGES_HEADER
@@ -118,6 +118,7 @@ class YadeSceneDeck(SceneDeck):
             "glued": list(scene.glued),
             "prisms": "prism" in scene.concepts(),
             "areas": "load on an area" in scene.concepts(),
+            "drains": any(isinstance(stage.until, Drained) for stage in scene.stages),
             "frictions": "friction of a stage" in scene.concepts(),
             "time_step": scene.time_step,
             "gravity": scene.gravity,
@@ -412,12 +413,15 @@ class YadeSceneDeck(SceneDeck):
         if isinstance(until, Elapsed):
             return f"stage.until_elapsed({scene.steps(until.time)})"
         limit = scene.steps(until.limit)
-        if isinstance(until, AtRest):
+        if isinstance(until, AtRest | Drained):
             # Particles that have not begun to fall are not at rest.
             shortest = scene.check_interval if stage is scene.stages[0] else 0.0
             first = max(until.at_least, shortest)
-            steps = scene.steps(first) if first > 0 else 0
-            return f"stage.until_at_rest(first={steps}, limit={limit})"
+            looks = f"first={scene.steps(first) if first > 0 else 0}, limit={limit}"
+            if isinstance(until, AtRest):
+                return f"stage.until_at_rest({looks})"
+            least = (1 - until.share) * scene.mass
+            return f"stage.until_drained({until.height!r}, {least!r}, {looks})"
         if isinstance(until, Clear):
             bottom = scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
             clump = scene.clumps
