@@ -84,7 +84,8 @@ def main() -> None:
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     seeds = range(1, given.seeds + 1)
-    wanted = [Run(*one[1:], one[0]) for one in product(seeds, MATERIALS, ORIFICES, ENDS)]
+    ways = product(ORIFICES, seeds, MATERIALS, ENDS)
+    wanted = [Run(material, orifice, until, seed) for orifice, seed, material, until in ways]
     if not given.table:
         measure(wanted, given.kept, record_of)
     print("\n".join(table(read(given.kept, Run))))

@@ -500,6 +500,21 @@ def test_curve_that_the_options_of_its_test_reach_is_ready(
     assert describe_plan(setup).problems == ()
 
 
+def test_a_measured_discharge_goes_on_to_rest(tmp_path: Path) -> None:
+    setup = measured_between(tmp_path, "discharge", "discharged_mass", "0 4 s")
+    assert setup.file.tests[0].options["flow_until"] == "rest"
+
+    path = tmp_path / "measured.toml"
+    text = path.read_text().replace('"discharge"', '"discharge"\nflow_until = "measured"', 1)
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        load_calibration(path)
+    [fault] = caught.value.faults
+    assert fault.key.endswith("flow_until")
+    message = of_calibration_file.CURVE_NEEDS
+    assert message.is_in(str(fault), curve="discharged_mass", name="flow_until", value="rest")
+
+
 @pytest.fixture
 def setup(write: Callable[..., Path]) -> CalibrationSetup:
     return load_calibration(write())
