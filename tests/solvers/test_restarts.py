@@ -30,7 +30,7 @@ from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.worker import RunTask, execute
 from grainfit.cli.app import app
 from grainfit.evaluation import scalars
-from grainfit.scenes.conditions import Elapsed, Loaded
+from grainfit.scenes.conditions import Drained, Elapsed, Loaded
 from grainfit.scenes.film import FILM
 from grainfit.scenes.packing import Rectangle, random_column
 from grainfit.scenes.records import Force, Frames, KineticEnergy, Series, Travel
@@ -44,7 +44,15 @@ from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.dem.yade.program import Yade
 from grainfit.testing.materials import GLASS_BEADS
-from grainfit.testing.simulated_scenes import RADIUS, SIZES, material, scene_of, settle
+from grainfit.testing.simulated_scenes import (
+    GRAVITY,
+    RADIUS,
+    SIZES,
+    material,
+    scene_of,
+    settle,
+    spheres,
+)
 
 SMALL = Heap(diameter="10 mm", **SMALL_HEAP)
 ROUGH = material(0.4, 0.5)
@@ -217,6 +225,29 @@ def test_a_continued_run_of_another_program_is_its_unbroken_one(
     assert first.stage == "press"
     assert f"time step {first.step} of" in (folder / restarts.LOG).read_text()
     assert_alike(out, unbroken)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", [Lammps, *OTHERS])
+def test_a_stage_that_drains_goes_on_to_the_same_end(
+    program: type[DeckSolver], tmp_path: Path
+) -> None:
+    falls = [(0.02 * n, 0.0, GRAVITY * (0.02 * n) ** 2 / 2) for n in range(1, 5)]
+    drain = Stage("drain", Drained(0.0, 0.9, 1.0, at_least=0.01))
+    scene = scene_of(spheres(falls), {}, [drain], UNDAMPED)
+    solver, whole = program(SMALL, UNDAMPED), tmp_path / "whole"
+    whole.mkdir()
+    every = scene.steps(0.03)
+    unbroken = solver.simulate(scene, Workspace(whole, 120.0), every)
+    folder = shutil.copytree(whole, tmp_path / "broken")
+    later, first = restarts.saved_states(folder, scene)
+    (folder / f"{later.file}.state").unlink()
+
+    out = solver.simulate(scene, Workspace(folder, 120.0), every)
+
+    assert f"time step {first.step} of" in (folder / restarts.LOG).read_text()
+    assert out.stages == unbroken.stages
+    assert out.stages[-1].time == pytest.approx(0.08, abs=2 * scene.check_interval)
 
 
 def test_what_starts_anew_after_a_kill_is_said_by_check(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ from grainfit.errors import RunFailedError
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import Particles
-from grainfit.scenes.conditions import Elapsed
+from grainfit.scenes.conditions import Drained, Elapsed
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import (
     Force,
@@ -305,6 +305,18 @@ class ClumpContract(SimulatedScenes):
 
         for name in ("one", "two"):
             assert out.series(name)["above"] == pytest.approx(2 * MASS, rel=1e-4)
+
+    def test_stages_end_once_shares_of_clumps_have_drained(self, run: Run) -> None:
+        stages = [
+            Stage(name, Drained(0.05, share, 1.0, at_least=0.001))
+            for name, share in (("one", 0.3), ("two", 0.6))
+        ]
+        heights = [0.05 + GRAVITY * time**2 / 2 for time in (0.05, 0.08)]
+        start = clumps([(0, 0, 0.15), *((0.05, 0, height) for height in heights)])
+        scene = scene_of(start, {}, stages, sizes=PAIR)
+
+        for end, expected in zip(run(scene).require_good(), (0.05, 0.08), strict=True):
+            assert expected - 2e-3 <= end.time <= expected + 1.1 * scene.check_interval + 1e-3
 
     def test_clumps_of_two_sizes_have_their_spheres_and_masses(self, run: Run) -> None:
         sizes = ParticleSizes((2 * RADIUS, 3 * RADIUS), (0.5, 0.5), shape=PIN.shape)

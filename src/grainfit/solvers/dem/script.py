@@ -31,7 +31,7 @@ PARTICLES = "particles.data"
 #: Name of the dump of the whole run: one that no snapshot of a scene has.
 _FILM_DUMP = "film.of.run"
 #: Region and variable of the mass that a stage waits for to drain.
-_UNDRAINED = "undrained"
+UNDRAINED = "undrained"
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
@@ -251,9 +251,14 @@ class ScriptDeck(SceneDeck):
         yield command("variable", "now equal step")
         yield command("variable", "elapsed equal step*dt")
         yield command("variable", f"remaining equal {self.count}")
-        yield command("thermo_style", f"custom step atoms time {self.shown_energy} cpu")
-        yield command("thermo_modify", "lost ignore norm no")
+        yield from self.log_columns(self.shown_energy)
         yield command("thermo", f"{scene.steps(scene.check_interval)}")
+
+    @staticmethod
+    def log_columns(shown: str) -> Iterator[str]:
+        """Have keywords in the log, beside steps and times."""
+        yield command("thermo_style", f"custom step atoms time {shown} cpu")
+        yield command("thermo_modify", "lost ignore norm no")
 
     # --- stages --------------------------------------------------------------------------------
 
@@ -365,7 +370,7 @@ class ScriptDeck(SceneDeck):
         elif isinstance(until, Loaded):
             yield command("variable", f"near equal {near}")
         elif isinstance(until, Drained):
-            yield from self.record_mass_above(until.height, _UNDRAINED)
+            yield from self.record_mass_above(until.height, UNDRAINED)
 
     def steps(self, stage: Stage, number: int, without: str = "post no") -> Iterator[str]:  # noqa: ARG002
         """Simulate time steps of a stage."""
@@ -383,7 +388,7 @@ class ScriptDeck(SceneDeck):
             yield self._jump(rest, f"{name}_done")
         elif isinstance(until, Drained):
             least = (1 - until.share) * self.scene.mass
-            yield self._jump(f"(${{{_UNDRAINED}}} <= {least}) || ({rest})", f"{name}_done")
+            yield self._jump(f"(${{{UNDRAINED}}} <= {least}) || ({rest})", f"{name}_done")
         elif isinstance(until, Clear):
             bottom = self.scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
             radius = self.largest_radius

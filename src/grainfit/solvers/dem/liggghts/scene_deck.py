@@ -10,13 +10,14 @@ from typing import ClassVar
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
 from grainfit.errors import InputError
+from grainfit.scenes.conditions import Condition, Drained
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.scenes.scene import WALL, Load, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Cylinder
 from grainfit.scenes.triangles import triangles_of, write_stl
 from grainfit.solvers.dem import messages
 from grainfit.solvers.dem.liggghts.multispheres import INSERTION, SHARE, SURPLUS, Multispheres
-from grainfit.solvers.dem.script import PARTICLES, ScriptDeck
+from grainfit.solvers.dem.script import PARTICLES, UNDRAINED, ScriptDeck
 from grainfit.solvers.dem.script_syntax import command, continued, heading
 from grainfit.solvers.dem.sphere_types import SphereTypes
 
@@ -169,6 +170,13 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield from lines
         if self.clumps is not None and not any(line.startswith("run") for line in lines):
             yield command("run", "0 post no")
+
+    def looked_at(self, until: Condition, near: str = "0") -> Iterator[str]:
+        """Define the variables that looks of a stage need; that of a compute is in the log."""
+        yield from super().looked_at(until, near)
+        if self.clumps is not None and isinstance(until, Drained):
+            yield from self.log_columns(f"{self.shown_energy} v_{UNDRAINED}")
+            self.undo = [*self.log_columns(self.shown_energy), *self.undo]
 
     def record_mass_above(self, height: float, name: str) -> Iterator[str]:
         """Define a variable: the mass of the loose particles above a height."""
