@@ -373,3 +373,36 @@ def test_check_tells_how_much_soft_particles_raise_the_density_in_shear():
     (note,) = stiffness_notes(problem, {"shear": test}, ROUGH_SPHERES)
     assert "E/normal stress = 720: shear_density is about 9.1 % above that of stiff" in note
     assert "internal_friction_angle" not in note
+
+
+@pytest.mark.slow
+def test_spheres_of_little_restitution_are_sheared(tmp_path):
+    """Their dashpots overcame the control of the plate, which bounced on the bed."""
+    material = {
+        **ROUGH_SPHERES,
+        "particle.youngs_modulus": 20e6,
+        "particle.poissons_ratio": 0.3,
+        "particle.density": 2000.0,
+        "particle_particle.sliding_friction": 0.3,
+        "particle_particle.rolling_friction": 0.43,
+        "particle_particle.rolling_damping": 0.0,
+        "particle_particle.restitution": 0.29,
+        "particle_wall.restitution": 0.29,
+    }
+    lengths = {"length": "86.5 mm", "depth": "43.3 mm", "gap": "73.5 mm"}
+    step = {"time_step_fraction": 0.22, "averaged_strain": 2.0}
+    test = Shear(diameter="10 mm", normal_stress="4 kPa", **lengths, **step)
+
+    responses = Lammps(test, material).run({}, 1, Workspace(tmp_path, 300.0))
+    assert 18 < responses["internal_friction_angle"].value < 30
+
+
+@pytest.mark.parametrize(("restitution", "slower"), [(0.9, 1.0), (0.6, 1.0), (0.2, 2.0)])
+def test_the_control_of_the_plate_is_slower_where_contacts_overcome_it(restitution, slower):
+    def gain(value):
+        material = {**ROUGH_SPHERES, "particle.youngs_modulus": 2e6}
+        material["particle_particle.restitution"] = value
+        load = Shear(diameter="10 mm").setup.motions(material)[1]
+        return load.gain
+
+    assert gain(0.9) / gain(restitution) == pytest.approx(slower, rel=0.3)

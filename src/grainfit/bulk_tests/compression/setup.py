@@ -15,14 +15,8 @@ from grainfit.bulk_tests.shared.filling import (
     particles_to_fill,
     strike_off_faults,
 )
+from grainfit.bulk_tests.shared.servo import Control
 from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
-from grainfit.contact_models.contact import particle_mass
-from grainfit.contact_models.hertz_mindlin.model import (
-    damping_factor,
-    effective_moduli,
-    hertz_overlap,
-    hertz_stiffness,
-)
 from grainfit.errors import Fault
 from grainfit.scenes.packing import Round, column_height
 from grainfit.scenes.scene import Load, natural_speed, natural_time
@@ -47,12 +41,7 @@ _BED_MODULUS = 2.0
 #: The control is a dashpot that pulls the piston to its load. Its impedance over that of the bed
 #: (density times wave speed): 1 would swallow waves, but loose beds are softer than estimated.
 _DASHPOT = 0.5
-#: The same over the damping of all contacts of the piston, and the share of it from which these
-#: overcome it: a step's speed makes a force in their dashpots, which the next step then answers
-#: with more than that speed, at any time step, and no load is held.
-_OVER_CONTACTS, _OVERCOME = 1.6, 0.85
-#: Contacts of the piston on the cross-section of a particle.
-_CONTACTS = 0.7
+_CONTROL = Control(overcome=0.85, slower=1.6)
 #: Records of a stage while the piston travels as far as an elastic bed would yield.
 _RECORDS = 50
 
@@ -126,24 +115,10 @@ class CompressionSetup(Setup):
         modulus = _bed_modulus(material, stress)
         density = _SOLID_FRACTION * material["particle.density"]
         impedance = math.sqrt(density * modulus) * self.area
-        dashpot = _DASHPOT * impedance
-        contacts = self._contact_damping(stress, material)
-        if contacts > _OVERCOME * dashpot:
-            dashpot = _OVER_CONTACTS * contacts
+        usual = _DASHPOT * impedance
+        d = self.sizes.sauter_diameter
+        dashpot = _CONTROL.dashpot(usual, self.area, d, stress, material)
         return Load("z", -stress * self.area, self.largest_speed(material), 1 / dashpot)
-
-    def _contact_damping(self, stress: float, material: Mapping[str, float]) -> float:
-        """Return the estimated normal damping of all contacts of the piston, N s/m."""
-        count = _CONTACTS * self.area / (math.pi / 4 * self.d**2)
-        moduli = effective_moduli(
-            material["particle.youngs_modulus"], material["particle.poissons_ratio"], math.inf, 0.0
-        )
-        overlap = hertz_overlap(stress * self.area / count, moduli, self.d / 2)
-        stiffness = hertz_stiffness(overlap, moduli, self.d / 2)
-        mass = particle_mass(material, self.d / 2)
-        given = (value for name, value in material.items() if name.endswith("restitution"))
-        least = min(given, default=1.0)
-        return count * 2 * math.sqrt(5 / 6 * stiffness * mass) * damping_factor(least)
 
     def material_faults(self, material: Mapping[str, float]) -> Iterator[Fault]:
         """Yield why the test means nothing with a material, of which not all need be known."""

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from grainfit.bulk_tests.setup import Setup
+from grainfit.bulk_tests.shared.servo import Control
 from grainfit.bulk_tests.shared.stress import scaled_stress, softness_faults
 from grainfit.bulk_tests.shear import messages
 from grainfit.errors import Fault
@@ -38,6 +39,7 @@ _CLOSING_SHARE = 1.3
 #: of the shear rate times its depth at most, so the dashpot takes a small share of the stress; in
 #: one time step the plate still makes up for less than a fifth of a missing force.
 _DASHPOT = 2.8
+_CONTROL = Control(overcome=1.5, slower=0.77)
 #: Records per strain of one.
 _RECORDS = 200
 #: Distance of glued particles of the one size of a bed, and their roughness, in diameters. Between
@@ -126,14 +128,15 @@ class ShearSetup(Setup):
         """
         stress = stress or self.normal_stress
         slower = stress / self.normal_stress
-        dashpot = _DASHPOT * math.sqrt(self.normal_stress * material["particle.density"])
+        usual = _DASHPOT * math.sqrt(self.normal_stress * material["particle.density"]) * self.area
+        dashpot = _CONTROL.dashpot(usual, self.area, self.diameter, self.normal_stress, material)
         return (
             Velocity("x", self.shear_rate(material) * self.gap * slower),
             Load(
                 "z",
                 -stress * self.area,
                 _CLOSING_SPEED * self.speed(material),
-                1 / (dashpot * self.area),
+                1 / dashpot,
             ),
         )
 
