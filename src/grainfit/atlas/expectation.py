@@ -88,10 +88,9 @@ class Expectation:
 
     def _expected(self, name: str, points: Array, values: Mapping[str, Array]) -> ExpectedResponse:
         model = self._models[name]
-        means, _ = model.predict(points)
         shares = relative_scatter(self._reading.kind.responses[name], model, points)
         return ExpectedResponse(
-            means * self._reading.unit(name, values),
+            model.mean(points) * self._reading.unit(name, values),
             model.relative_covariance(points),
             float(np.median(shares)),
         )

@@ -105,6 +105,11 @@ class ResponseModel:
             variance[beyond] += (_UNSURE_FORM * added) ** 2
         return self._in_units(found.mean, variance)
 
+    def mean(self, points: Array) -> Array:
+        """Return the means of `predict` alone, shape (m,), for a fraction of its operations."""
+        means = self.kriging.mean(points)
+        return np.exp(means) if self.is_logarithm else means
+
     def predict_beyond(self, points: Array, columns: Sequence[int]) -> tuple[Array, Array]:
         """Return means and variances where inputs lie beyond the rows that have no trend.
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.evaluation import response_name
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
+
+_Found = TypeVar("_Found")
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,14 @@ class CheckContext:
     fixed: Mapping[str, float] = field(default_factory=dict)
     test_keys: Mapping[str, str] = field(default_factory=dict)
     twins: Collection[str] = ()
+    _known: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def once(self, find: Callable[[Problem, Mapping[str, Solver]], _Found]) -> _Found:
+        """Return what a function finds of problem and solvers; several checks share it."""
+        if find not in self._known:
+            self._known[find] = find(self.problem, self.solvers)
+        found: _Found = self._known[find]
+        return found
 
     @property
     def bulk_tests(self) -> dict[str, BulkTest]:

@@ -14,7 +14,7 @@ def open_parameters(context: CheckContext) -> Iterator[Found]:
     # Loaded late, for it takes SciPy.
     from grainfit.which_test.narrowing import expected_narrowing
 
-    for note in expected_narrowing(context.problem, context.solvers).notes:
+    for note in context.once(expected_narrowing).notes:
         yield "", note
 
 
@@ -23,5 +23,5 @@ def further_response(context: CheckContext) -> Iterator[Found]:
     """Response of the same runs that would narrow a parameter, such as the radius of a heap."""
     from grainfit.which_test.narrowing import expected_narrowing
 
-    if further := expected_narrowing(context.problem, context.solvers).further:
+    if further := context.once(expected_narrowing).further:
         yield "", further
