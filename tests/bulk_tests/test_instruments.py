@@ -13,7 +13,7 @@ from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.instrument import instrument_names, read_instrument
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.apparatus import opening_lines, simulated_apparatus
-from grainfit.calibration_file.starter import starter_file
+from grainfit.calibration_file.starter import starter_file, starter_test
 from grainfit.cli.app import app
 from grainfit.errors import InputError
 from grainfit.options import messages as of_options
@@ -137,3 +137,14 @@ def test_the_command_lists_instruments_and_shows_one_with_its_sources() -> None:
     assert "surface_angle" in shown.output
     assert missing.exit_code == 1
     assert messages.NO_INSTRUMENT.is_in(str(missing.exception))
+
+
+def test_examples_of_stresses_follow_the_stress_of_an_instrument() -> None:
+    text = starter_test("ft4_shear")
+    assert '# normal_stress = "10 kPa"' in text
+    assert (
+        'targets.major_consolidation_stress = { value = "15000 Pa", uncertainty = "5 %" }' in text
+    )
+    text = starter_test("schulze_1_litre")
+    assert '\nnormal_stress = "500 Pa"' in text
+    assert 'targets.major_consolidation_stress = { value = "750 Pa"' in text

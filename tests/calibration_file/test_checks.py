@@ -196,6 +196,11 @@ CASES = {
     ),
     "fast-shear": ("note", starter_file(["shear"]), "[[test]]"),
     "no-cohesion": ("warning", starter_file(["shear_cell"]), "targets.ffc = "),
+    "preshear-stress": (
+        "warning",
+        starter_file(["shear_cell"]).replace('stress = "500 Pa"', 'stress = "5 kPa"'),
+        "targets.major_consolidation_stress = ",
+    ),
     "unusual-value": (
         "warning",
         changed(('value = "22 deg"', "value = 0.38")),

@@ -114,6 +114,8 @@ _POWERS = {
     "kg/m^3": (0.0, 1),
 }
 _QUANTITY = re.compile(rf'"([\d.]+) ({"|".join(map(re.escape, _POWERS))})"')
+#: Stresses in the examples, and the normal stress that they are of, Pa.
+_STRESS, _STRESS_OF_EXAMPLES = re.compile(r'"([\d.]+) Pa"'), 500.0
 #: Size of a heap in diameters, at an angle of repose of 45 degrees, and the power of the tangent of
 #: the angle that it follows: fitted to simulated heaps of rough spheres of 20 to 41 degrees, of
 #: which all are within 2 % in radius and 8 % in height. A cone of given volume has powers of -1/3
@@ -311,7 +313,8 @@ def _test(
         else:
             yield from _option(key, material, set_options.get(key.name))
     for response, info in test.responses.items():
-        yield f"targets.{response} = {example_target(response, info.example, material)}"
+        example = _at_stress(info.example, instrument)
+        yield f"targets.{response} = {example_target(response, example, material)}"
 
 
 def _option(key: Key, material: StartingMaterial | None, why_set: str | None) -> Iterator[str]:
@@ -331,6 +334,20 @@ def _option(key: Key, material: StartingMaterial | None, why_set: str | None) ->
 
 def _with_remark(line: str, remark: str) -> str:
     return f"{line:<{_REMARK - 1}} # {remark}" if remark else line
+
+
+def _at_stress(example: str, instrument: Instrument | None) -> str:
+    """Return an example for the normal stress of an instrument that has one."""
+    values = instrument.values if instrument else {}
+    times = (
+        to_unit(values.get("normal_stress", f"{_STRESS_OF_EXAMPLES} Pa"), "Pa")
+        / _STRESS_OF_EXAMPLES
+    )
+
+    def at_stress(found: re.Match[str]) -> str:
+        return f'"{_rounded(float(found[1]) * times)} Pa"'
+
+    return _STRESS.sub(at_stress, example)
 
 
 def scaled_example(example: str, material: StartingMaterial | None) -> str:

@@ -63,6 +63,10 @@ _HELD = 0.03
 _HELD_AT_PEAK = 0.25
 
 
+_CONSOLIDATION = "major_consolidation_stress"
+#: Major principal stress of steady flow over the normal stress: 1 / (1 - sin phi) of a circle that
+#: touches a line of 5 and of 55 degrees through the origin.
+_TIMES_PRESHEAR = (1.1, 5.5)
 _STRENGTHS = ("ffc", "unconfined_strength", "cohesion")
 
 
@@ -74,6 +78,16 @@ def no_cohesion(checked: CheckedTest[Any]) -> Iterator[Found]:
     wanted = [name for name in _STRENGTHS if checked.targets.get(name)]
     if wanted:
         yield f"targets.{wanted[0]}", messages.NO_COHESION()
+
+
+@check("preshear-stress", "warning")
+def preshear_stress(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Major consolidation stresses that belong to another normal stress of the preshear."""
+    target, stress = checked.targets.get(_CONSOLIDATION), checked.test.setup.normal_stress
+    low, high = _TIMES_PRESHEAR
+    if target and not low <= target / stress <= high:
+        values = {"target": target, "stress": stress, "times": target / stress}
+        yield f"targets.{_CONSOLIDATION}", messages.OTHER_PRESHEAR(**values, low=low, high=high)
 
 
 @dataclass(frozen=True)
@@ -94,7 +108,7 @@ class ShearCell(PlaneShear):
 
     type: ClassVar[str] = "shear_cell"
     title: ClassVar[str] = "preshear, then shear to failure"
-    checks: ClassVar[Checks] = (*PlaneShear.checks, no_cohesion)
+    checks: ClassVar[Checks] = (*PlaneShear.checks, no_cohesion, preshear_stress)
     deck_title: ClassVar[str] = "Shear cell: preshear and shear to failure"
     shown: ClassVar[Shown] = Shown("bed", _SHOWN, snapshot_file(_LAST), _PICTURE)
     enter_instead: ClassVar[Mapping[str, str]] = {
@@ -186,6 +200,7 @@ class ShearCell(PlaneShear):
         "Normal stress of the preshear. Young's modulus must be at least 700 times as much.",
         example='"500 Pa"',
         default=Derived("500 Pa for d = 10 mm", lambda s: s.usual_stress),
+        starter="that of your preshear",
     )
     lowest_stress: Amount | None = option(
         STRESS,

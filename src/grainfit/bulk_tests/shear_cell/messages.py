@@ -28,6 +28,11 @@ NO_COHESION = Message(
     "within their standard errors, and runs have no ffc.",
     "Give the particles cohesion, such as particle_particle.surface_energy (docs/cohesion.md).",
 )
+OTHER_PRESHEAR = Message(
+    "a major consolidation stress of {target:g} Pa is {times:.2g} times the normal stress of the "
+    "preshear ({stress:g} Pa); in steady flow it is {low:g} to {high:g} times as large.",
+    "Set normal_stress to that of your preshear, or correct the target.",
+)
 NOT_HELD_AT_FAILURE = Message(
     "the normal stress was not held at failure: {stress:.4g} Pa instead of {wanted:g} Pa, "
     "because the bed dilates; use a smaller inertial_number"
