@@ -338,11 +338,8 @@ def _with_remark(line: str, remark: str) -> str:
 
 def _at_stress(example: str, instrument: Instrument | None) -> str:
     """Return an example for the normal stress of an instrument that has one."""
-    values = instrument.values if instrument else {}
-    times = (
-        to_unit(values.get("normal_stress", f"{_STRESS_OF_EXAMPLES} Pa"), "Pa")
-        / _STRESS_OF_EXAMPLES
-    )
+    given = instrument.values.get("normal_stress") if instrument else None
+    times = to_unit(given, "Pa") / _STRESS_OF_EXAMPLES if given else 1.0
 
     def at_stress(found: re.Match[str]) -> str:
         return f'"{_rounded(float(found[1]) * times)} Pa"'
