@@ -37,8 +37,8 @@ DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("funnel", ""): (1, 1, "97afec6bf8d9d20a"),
     ("hopper", "round"): (1, 1, "9c6f9af9f094671c"),
     ("hopper", "slot"): (1, 1, "0072ad8aee35b12b"),
-    ("shear", ""): (1, 1, "c4332ec0561127e1"),
-    ("shear_cell", ""): (1, 1, "163606185230cb8d"),
+    ("shear", ""): (2, 1, "c4332ec0561127e1"),
+    ("shear_cell", ""): (2, 1, "163606185230cb8d"),
     ("tapped", ""): (1, 1, "271d275fba2c76ca"),
     ("triaxial", ""): (1, 1, "91412400658800fd"),
 }

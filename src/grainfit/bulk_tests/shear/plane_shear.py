@@ -62,6 +62,7 @@ class PlaneShear(BulkTest):
     """
 
     vessel: ClassVar[str] = "gap"
+    revision: ClassVar[int] = 2
     checks: ClassVar[Checks] = (fast_shear,)
     #: Both plates are glued particles.
     parts: ClassVar[Parts] = {}
