@@ -39,7 +39,7 @@ _CLOSING_SHARE = 1.3
 #: of the shear rate times its depth at most, so the dashpot takes a small share of the stress; in
 #: one time step the plate still makes up for less than a fifth of a missing force.
 _DASHPOT = 2.8
-_CONTROL = Control(overcome=1.3, slower=0.77)
+CONTROL = Control(overcome=1.3, slower=0.77)
 #: Records per strain of one.
 _RECORDS = 200
 #: Distance of glued particles of the one size of a bed, and their roughness, in diameters. Between
@@ -104,7 +104,7 @@ class ShearSetup(Setup):
     def closing_time(self, travel: float, material: Mapping[str, float]) -> float:
         """Return the time in which the upper plate closes the gap by a distance, s."""
         usual = _CLOSING_SHARE * travel / (_CLOSING_SPEED * self.speed(material))
-        dashpots = self._usual_dashpot(material), self._dashpot(material)
+        dashpots = self.usual_dashpot(material), self._dashpot(material)
         first, second = (self._free_speed(dashpot, material) for dashpot in dashpots)
         return usual * (first / second)
 
@@ -114,14 +114,14 @@ class ShearSetup(Setup):
         wanted = self.normal_stress * self.area / dashpot
         return wanted / math.hypot(1.0, wanted / largest)
 
-    def _usual_dashpot(self, material: Mapping[str, float]) -> float:
-        """Damping of the control of the plate that no contacts overcome, N s/m."""
+    def usual_dashpot(self, material: Mapping[str, float]) -> float:
+        """Return the damping of the control of a plate that no contacts overcome, N s/m."""
         return _DASHPOT * math.sqrt(self.normal_stress * material["particle.density"]) * self.area
 
     def _dashpot(self, material: Mapping[str, float]) -> float:
-        """Damping of the control of the plate, N s/m."""
-        usual = self._usual_dashpot(material)
-        return _CONTROL.dashpot(usual, self.area, self.diameter, self.normal_stress, material)
+        """Return the damping of the control of the plate, N s/m."""
+        usual = self.usual_dashpot(material)
+        return CONTROL.dashpot(usual, self.area, self.diameter, self.normal_stress, material)
 
     def record_interval(self, material: Mapping[str, float]) -> float:
         """Return the simulated time between two records, s."""
