@@ -29,7 +29,7 @@ DECKS = {"lammps": (1, "41ba9408b19bb4a1"), "liggghts": (1, "f447515809efd14c")}
 DEFAULT_DECKS: dict[tuple[str, str], tuple[int, int, str]] = {
     ("heap", ""): (2, 1, "a05dc8870c3b49f7"),
     ("packing", ""): (1, 1, "693b512048690ff6"),
-    ("compression", ""): (1, 1, "8264f66227d16ddb"),
+    ("compression", ""): (2, 1, "8264f66227d16ddb"),
     ("discharge", "slot"): (1, 1, "b3c178d31a18c6e6"),
     ("discharge", "round"): (1, 1, "1e4521dd4b909841"),
     ("draw_down", ""): (1, 1, "d7bcacd59223199c"),

@@ -90,6 +90,7 @@ class Compression(BulkTest):
     type: ClassVar[str] = "compression"
     checks: ClassVar[Checks] = (surplus_particles, narrow_cylinder)
     title: ClassVar[str] = "uniaxial, confined"
+    revision: ClassVar[int] = 2
     vessel: ClassVar[str] = "cylinder_radius"
     parts: ClassVar[Parts] = {
         "pot": ("pot",),
