@@ -7,7 +7,6 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-import psutil
 import pytest
 from playwright.sync_api import Page, expect
 
@@ -192,7 +191,7 @@ def test_a_prediction_is_verified_at_full_size_once(server: StartServer) -> None
     assert server._run is not None
     process = server._run._process
     try:
-        assert psutil.Process(process.pid).cmdline()[-2:] == [str(server.path), "--full-size"]
+        assert process.args[-2:] == [str(server.path), "--full-size"]
         assert server.state()["run"]["state"] == ""
         with pytest.raises(Exception, match=messages.RUNS_ALREADY.pattern):
             server.start_run("")

@@ -200,7 +200,7 @@ class ShearCell(PlaneShear):
         "Normal stress of the preshear. Young's modulus must be at least 700 times as much.",
         example='"500 Pa"',
         default=Derived("500 Pa for d = 10 mm", lambda s: s.usual_stress),
-        starter="that of your preshear",
+        starter="that of your preshear; by default that of d, 500 Pa for 10 mm",
     )
     lowest_stress: Amount | None = option(
         STRESS,
