@@ -11,7 +11,6 @@ Prints the change of the mass flow with its 95 % interval, its scatter, and what
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
@@ -60,18 +59,16 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         seeds = [seed for until, seed in own if until == "rest" and ("measured", seed) in own]
         if len(seeds) < 2:
             continue
-        flows, costs = (
-            {until: [reader(own[until, seed]) for seed in seeds] for until in ENDS}
-            for reader in (lambda r: r["responses"]["mass_flow"], lambda r: r["seconds"])
-        )
-        whole = float(np.mean(flows["rest"]))
-        changes = np.array(flows["measured"]) / whole - np.array(flows["rest"]) / whole
-        half = stats.t.ppf(0.975, len(seeds) - 1) * scatter(list(changes)) / math.sqrt(len(seeds))
+        runs = [[own[until, seed] for seed in seeds] for until in ENDS]
+        flows = np.array([[run["responses"]["mass_flow"] for run in one] for one in runs])
+        # In per cent of the mean flow to rest.
+        measured, rest = 100 * flows / flows[1].mean()
+        low, high = stats.ttest_rel(measured, rest).confidence_interval(0.95)
         cells = [
             *(material, orifice, str(len(seeds))),
-            f"{100 * changes.mean():+.2f} ± {100 * half:.2f} %",
-            *(f"{100 * scatter(flows[until]) / whole:.1f} %" for until in ENDS),
-            *(number(float(np.mean(costs[until])), 3) for until in ENDS),
+            f"{(low + high) / 2:+.2f} ± {(high - low) / 2:.2f} %",
+            *(f"{scatter(one):.1f} %" for one in (measured, rest)),
+            *(number(float(np.mean([run["seconds"] for run in one])), 3) for one in runs),
         ]
         yield f"| {' | '.join(cells)} |"
 

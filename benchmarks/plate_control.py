@@ -20,7 +20,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 from scipy import stats
 
 from grainfit.bulk_tests.shared.servo import Control, contact_damping
@@ -92,9 +91,8 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
 def _change(first: list[float], second: list[float]) -> str:
     if min(len(first), len(second)) < 2:
         return ""
-    parts = [np.var(values, ddof=1) / len(values) for values in (first, second)]
-    half = stats.t.ppf(0.975, len(first) + len(second) - 2) * math.sqrt(sum(parts))
-    return f"{np.mean(second) - np.mean(first):+.2f}° ± {half:.2f}°"
+    low, high = stats.ttest_ind(second, first, equal_var=False).confidence_interval(0.95)
+    return f"{(low + high) / 2:+.2f}° ± {(high - low) / 2:.2f}°"
 
 
 def main() -> None:

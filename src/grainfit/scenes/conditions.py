@@ -77,6 +77,10 @@ class Drained:
     limit: float
     at_least: float = 0.0
 
+    def left(self, mass: float) -> float:
+        """Return how much of a mass may still be above the height at the end, kg."""
+        return (1 - self.share) * mass
+
 
 @dataclass(frozen=True)
 class Elapsed:

@@ -279,7 +279,7 @@ class Discharge(BulkTest):
 
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Estimate the simulated time of a run, s."""
-        return self.setup.filling.usual_time + self.setup.shown_time
+        return self.setup.filling.usual_time + self.setup.time_to_end
 
     def view(self, run: RunOutput) -> DischargeView:
         """Read the end of a run, to be drawn."""

@@ -132,7 +132,7 @@ class DischargeSetup(FlowSetup):
         return _KNOWN if self.flow_until == MEASURED else None
 
     @property
-    def shown_time(self) -> float:
+    def time_to_end(self) -> float:
         """Expected time from the opening of the orifice to the end of the run, s."""
         return self.flow_time if self.known_share is None else self.known_share * self.beverloo_time
 

@@ -387,8 +387,8 @@ class ScriptDeck(SceneDeck):
         if isinstance(until, AtRest):
             yield self._jump(rest, f"{name}_done")
         elif isinstance(until, Drained):
-            least = (1 - until.share) * self.scene.mass
-            yield self._jump(f"(${{{UNDRAINED}}} <= {least}) || ({rest})", f"{name}_done")
+            left = until.left(self.scene.mass)
+            yield self._jump(f"(${{{UNDRAINED}}} <= {left}) || ({rest})", f"{name}_done")
         elif isinstance(until, Clear):
             bottom = self.scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
             radius = self.largest_radius

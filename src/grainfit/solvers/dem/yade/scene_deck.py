@@ -420,8 +420,8 @@ class YadeSceneDeck(SceneDeck):
             looks = f"first={scene.steps(first) if first > 0 else 0}, limit={limit}"
             if isinstance(until, AtRest):
                 return f"stage.until_at_rest({looks})"
-            least = (1 - until.share) * scene.mass
-            return f"stage.until_drained({until.height!r}, {least!r}, {looks})"
+            left = until.left(scene.mass)
+            return f"stage.until_drained({until.height!r}, {left!r}, {looks})"
         if isinstance(until, Clear):
             bottom = scene.all_walls()[until.wall].shape.bottom  # type: ignore[union-attr]
             clump = scene.clumps
