@@ -20,7 +20,7 @@ PACKAGE = "grainfit"
 #: The rooms from the ground up: one may import only those below it. A room is a folder or a file
 #: of the package; rooms of one floor do not know each other.
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("arrays", "lazy", "one_line", "platforms"),
+    ("arrays", "lazy", "one_line", "one_thread", "platforms"),
     ("errors",),
     ("messages",),
     ("ground_messages",),

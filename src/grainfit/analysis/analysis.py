@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from grainfit.analysis import messages
 from grainfit.analysis.identifiability import Identifiability, assess_identifiability
 from grainfit.analysis.intervals import parameter_intervals
@@ -24,6 +22,7 @@ from grainfit.metamodels.known_runs import (
 )
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_line import OneLine
+from grainfit.one_thread import one_thread
 from grainfit.problem import Problem
 from grainfit.result import MetamodelQuality, ParameterInterval
 from grainfit.strategies.answer import metamodel_quality
@@ -99,7 +98,7 @@ def analyse(
     >>> analyse(problem, []).notes
     ('There is no run yet that yielded a response: nothing can be said.',)
     """
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         found = analyse_parameters(problem, evaluations, seed=seed, answer=answer, biases=biases)
         if found.metamodels is None or found.posterior is None:
             return found
@@ -131,7 +130,7 @@ def analyse_parameters(
     Analysis
         With metamodels, their quality, posterior and intervals.
     """
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         fitted, posterior = _fitted_and_sampled(problem, evaluations, seed, answer)
         if fitted.whole is None or fitted.reduced is None or posterior is None:
             return Analysis(notes=fitted.notes)

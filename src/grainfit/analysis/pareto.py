@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import optimize
-from threadpoolctl import threadpool_limits
 
 from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.time_steps import log_time_steps, with_long_steps
 from grainfit.metamodels.unit_cube import gauss_newton, spread_points
 from grainfit.one_line import OneLine
+from grainfit.one_thread import one_thread
 from grainfit.problem import Problem
 
 _CANDIDATES = 1024
@@ -86,7 +86,7 @@ def pareto_front(metamodels: Metamodels, *, seed: int = 1, points: int = 25) -> 
     limits = _limits(problem)
     if limits is None:
         return None
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         search = _Search(metamodels, np.random.default_rng(seed))
         best = search.best_above(-math.inf, None)
         slowest = float(log_time_steps(problem, best[None])[0])

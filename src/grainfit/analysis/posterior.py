@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from scipy.stats import rankdata
-from threadpoolctl import threadpool_limits
 
 from grainfit.analysis import messages
 from grainfit.analysis.ensemble import sample_cube
@@ -19,6 +18,7 @@ from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.likelihood import log_density
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_line import OneLine
+from grainfit.one_thread import one_thread
 from grainfit.problem import Parameter, Problem
 from grainfit.student import LEVEL
 
@@ -176,7 +176,7 @@ def sample_posterior(
     Kennedy & O'Hagan (2001), J. R. Stat. Soc. B 63, 425-464.
     """
     problem = metamodels.problem
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         sample = sample_cube(
             log_density(metamodels),
             problem.dimension,

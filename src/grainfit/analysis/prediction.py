@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtr
 from scipy.stats import qmc
-from threadpoolctl import threadpool_limits
 
 from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.one_thread import one_thread
 from grainfit.problem import Problem, Target
 from grainfit.result import HoldoutResponse
 from grainfit.verdict.holdout import judge_prediction
@@ -81,7 +81,7 @@ def predict_response(
     """
     values = np.array([e.responses[name].value for e in runs.all if name in e.responses])
     size = float(np.abs(values).max(initial=0.0)) or 1.0
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         models = Metamodels.fit(
             replace(problem, targets=[_neutral(name, values, target)]), runs.all
         )

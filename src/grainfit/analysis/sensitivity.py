@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from grainfit.analysis import messages
 from grainfit.analysis.response_surfaces import draw_surfaces
@@ -17,6 +16,7 @@ from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import spread_points
 from grainfit.one_line import OneLine
+from grainfit.one_thread import one_thread
 
 _SURFACES = 200
 #: Ends of intervals nearer to 0 or 1 are 0 or 1.
@@ -152,7 +152,7 @@ def estimate_sensitivity(
     problem = metamodels.problem
     names = tuple(parameter.name for parameter in problem.parameters)
     scopes = tuple(tuple(problem.scope_of(t.name).parameters) for t in problem.targets)
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         varied = _varied(metamodels, np.random.default_rng(seed))
         found = np.zeros((6, len(problem.targets), problem.dimension))
         for row in np.flatnonzero(varied):

@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from grainfit.calibration import messages
 from grainfit.calibration.holdout import Holdout, require_holdouts
 from grainfit.calibration.holdouts_after import HoldoutsAfter
@@ -37,6 +35,7 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, recover
 from grainfit.errors import Fault, InputError
 from grainfit.ground_messages import CANNOT_BE_WRITTEN
+from grainfit.one_thread import one_thread
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
@@ -215,8 +214,7 @@ def calibrate(
             twins=twins,
             near_runs=near_runs,
         )
-        # Metamodels are small; threads of linear algebra would only take cores from the solvers.
-        stack.enter_context(threadpool_limits(limits=1, user_api="blas"))
+        stack.enter_context(one_thread())
         # Every run executes in its own folder, where a relative path would mean another place.
         folder = None if workdir is None else Path(workdir).absolute()
         if folder is not None:

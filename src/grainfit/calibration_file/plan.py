@@ -37,6 +37,7 @@ from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.formatting import counted, duration, in_a_row, millimetres, percent
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.one_thread import one_thread
 from grainfit.problem import CurveTarget, Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.speed import Speed
@@ -91,6 +92,7 @@ class Plan:
         return tuple(finding.text for finding in self.findings)
 
 
+@one_thread()
 def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     """Describe what a calibration will do; starts no simulation.
 

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import stdtr, stdtrit
-from threadpoolctl import threadpool_limits
 
 from grainfit.arrays import Array
 from grainfit.errors import InputError
@@ -45,6 +44,7 @@ from grainfit.metamodels.predictor import (
 )
 from grainfit.metamodels.relative_prior import RATIOS, RelativeModel, RelativePrior
 from grainfit.one_line import OneLine
+from grainfit.one_thread import one_thread
 
 _MINIMUM_RUNS = 3
 _LARGEST_BLOCK = 4096
@@ -768,8 +768,7 @@ def _most_probable_fit(
     scatter_may_vary: bool,
     known_variance: float,
 ) -> _Fit:
-    # The matrices are small: more threads only wait for each other and for the DEM runs.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         fits = [(data.posterior(ratios), ratios, None) for ratios in candidates]
         varying = _varying(data, fits[0][0]) if scatter_may_vary else None
         every = [*fits, *([varying] if varying else [])]
@@ -797,7 +796,7 @@ def _with_relative(
     data = data._replace(trend=trend, contrasts=Contrasts.of(trend.matrix(data.points)))
     at_runs = relative.at(data.points)
     posteriors: dict[float, HyperparameterPosterior] = {}
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         for ratio in RATIOS:
             known = np.diag(data.known_noise) + ratio**2 * at_runs.covariance
             posteriors[ratio] = HyperparameterPosterior(

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
+from grainfit.one_thread import one_thread
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 #: Number of fits, and most runs of a fit: its time grows with the cube of the number of runs.
@@ -49,8 +49,7 @@ def checkpoints(saved: SavedCalibration) -> list[int]:
 
 def expectations_at_answer(saved: SavedCalibration) -> list[Expectation]:
     """Return the responses expected at the answer after each of the `checkpoints`."""
-    # Metamodels are small: threads of linear algebra would only wait for each other.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         return [_expectation(saved, count) for count in checkpoints(saved)]
 
 

@@ -10,11 +10,11 @@ from importlib.resources import files
 from pathlib import Path
 
 from markupsafe import Markup
-from threadpoolctl import threadpool_limits
 
 from grainfit.errors import StoreError
 from grainfit.files import write_atomically, writing
 from grainfit.formatting import plain
+from grainfit.one_thread import one_thread
 from grainfit.report import messages
 from grainfit.report.rendering import fill_template, script_json
 from grainfit.report.section import ReportContext
@@ -61,10 +61,9 @@ def write_report(
     tell("reading the runs")
     reading = SavedCalibration.of(source)
     tell(f"analysing {len(reading.known)} parameter sets")
-    analysis = reading.analyse()
-    tell("drawing")
-    # Metamodels are small: threads of linear algebra would only wait for each other.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
+        analysis = reading.analyse()
+        tell("drawing")
         page = render_page(ReportContext(reading, analysis))
     path = Path(output) if output is not None else reading.folder / REPORT_NAME
     _write(path, page)

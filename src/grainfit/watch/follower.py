@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import holder, is_held, last_heartbeat
@@ -19,6 +17,7 @@ from grainfit.campaign.store.store import STORE_NAME
 from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.errors import error_in_words
 from grainfit.formatting import plain
+from grainfit.one_thread import one_thread
 from grainfit.report.page import REPORT_NAME
 from grainfit.report.rendering import script_json
 from grainfit.result import Result
@@ -202,7 +201,7 @@ class Follower:
         if not reading.is_running or identity == self._estimate[0] or not reading.requests:
             return
         self._estimate = (identity, ())
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_thread():
             found = estimate_of_running(self._folder)
         self._estimate = (identity, () if found is None else tuple(found.lines()))
         self._publish(reading)
@@ -216,7 +215,7 @@ class Follower:
             return
         # Tried once, whether it succeeds or not.
         self._so_far = (known, None)
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_thread():
             found = result_so_far(
                 saved.problem,
                 saved.evaluations,

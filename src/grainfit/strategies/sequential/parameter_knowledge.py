@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from grainfit.arrays import Array
 from grainfit.metamodels.credible_interval import extended_to_bounds
@@ -18,6 +17,7 @@ from grainfit.metamodels.importance_sampling import (
 )
 from grainfit.metamodels.likelihood import Likelihood, log_density, log_prior
 from grainfit.metamodels.metamodels import Metamodels
+from grainfit.one_thread import one_thread
 from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 
 #: Exact metamodels must narrow an interval by this share to justify further runs: then half of
@@ -71,7 +71,7 @@ class ParameterKnowledge:
         self._seeds = tuple(seeds)
         reduced = metamodels.reduced()
         density = log_density(reduced)
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_thread():
             self._sample = importance_sample(density, self._problem.dimension, self._random())
             self._means, self._errors = reduced.predict(self._sample.points)
         self._likely = feasibility.success_probability(self._sample.points) > LIKELY_TO_SUCCEED
