@@ -8,10 +8,15 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
+from threadpoolctl import threadpool_limits
 
+from grainfit import one_thread
 from grainfit.calibration_file import messages as of_calibration_file
+from grainfit.calibration_file.build import load_calibration
+from grainfit.calibration_file.plan import describe_plan
 from grainfit.campaign import messages as of_campaign
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
@@ -339,8 +344,15 @@ def test_check_loads_no_library_that_it_does_not_need(tmp_path: Path) -> None:
     )
     modules = set(done.stdout.splitlines()[-1].split())
     assert "grainfit.calibration_file.plan" in modules
-    slow = {"emcee", "pandas", "pint", "plotly", "scipy.stats", "sqlalchemy"}
-    assert not slow & modules
+    slow = {"emcee", "pandas", "pint", "plotly", "sqlalchemy"}
+    assert not (slow | {"scipy.optimize", "scipy.stats"}) & modules
+
+
+def test_a_check_limits_threads_of_linear_algebra_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = Mock(wraps=threadpool_limits)
+    monkeypatch.setattr(one_thread, "threadpool_limits", limits)
+    assert describe_plan(load_calibration(GLASS_BEADS)).notes
+    limits.assert_called_once()
 
 
 def test_everything_public_is_there_when_it_is_first_used() -> None:

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize
 
 from grainfit.arrays import Array
 
@@ -71,6 +70,9 @@ def find_growing_scatter(points: Array, residuals: Array) -> GrowingScatter | No
     n, d = points.shape
     if n < max(_FEWEST_RUNS, 2 * (d + 1)) or not _changes(points, residuals):
         return None
+    # Loaded late: most scatters do not change.
+    from scipy.optimize import minimize
+
     squares = np.maximum(residuals**2, 1e-4)
 
     def misfit(theta: Array) -> tuple[float, Array]:
@@ -82,7 +84,7 @@ def find_growing_scatter(points: Array, residuals: Array) -> GrowingScatter | No
         slope = np.append(pull.sum(), (points - 0.5).T @ pull + theta[1:] / _PRIOR_SLOPE**2)
         return value, slope
 
-    found = optimize.minimize(misfit, np.zeros(d + 1), jac=True, method="L-BFGS-B")
+    found = minimize(misfit, np.zeros(d + 1), jac=True, method="L-BFGS-B")
     unscaled = GrowingScatter(np.asarray(found.x[1:]), 0.0)
     return GrowingScatter(unscaled.slopes, -float(np.log(unscaled.ratios(points).mean())))
 

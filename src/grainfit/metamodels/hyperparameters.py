@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy import linalg, optimize
+from scipy import linalg
 from scipy.linalg import lapack
 from scipy.spatial.distance import cdist, squareform
 
@@ -234,8 +234,11 @@ class HyperparameterPosterior:
 
     def _search(self, start: Array) -> tuple[float, Array]:
         """Lowest value and its place."""
+        # Loaded late: metamodels of the atlas are fitted already.
+        from scipy.optimize import minimize
+
         options = {"ftol": _COARSE} if self._is_large else {}
-        found = optimize.minimize(
+        found = minimize(
             self, start, jac=True, method="L-BFGS-B", bounds=self.bounds, options=options
         )
         # Rounded, so that rounding errors do not decide between searches that ended at one place.

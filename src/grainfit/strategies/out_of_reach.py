@@ -8,7 +8,6 @@ from math import floor, log10
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from grainfit.contact_models.registry import material_parameter
 from grainfit.formatting import value_with_unit
@@ -96,6 +95,9 @@ def _off(metamodels: Metamodels, group: _Group, means: NDArray[np.float64]) -> N
 
 def _nearest(metamodels: Metamodels, group: _Group, seed: int) -> NDArray[np.float64]:
     """Point at which the responses of a group are nearest to their targets."""
+    # Loaded late: most targets are within reach.
+    from scipy.optimize import minimize
+
     pairs = [(metamodels.models[i], metamodels.problem.targets[i]) for i in group.indices]
     dimension = metamodels.problem.dimension
 

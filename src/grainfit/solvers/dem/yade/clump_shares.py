@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import nnls
 
 from grainfit.materials.clumps import Clump
 
@@ -22,6 +21,9 @@ class ClumpShares(NamedTuple):
 
 def clump_shares(clump: Clump) -> ClumpShares:
     """Return the shares of the spheres in the mass of a clump."""
+    # Loaded late: only decks of clumps need it.
+    from scipy.optimize import nnls
+
     shares = clump.radii**3 / (clump.radii**3).sum()
     # As near to the volumes as the centre allows.
     centre = _WEIGHT_OF_CENTRE * np.vstack((clump.positions.T, np.ones(len(clump))))
