@@ -114,7 +114,9 @@ def _unconditional(
     stretch = np.sqrt(2.0 * _SPECTRUM / random.chisquare(_SPECTRUM, _COSINES))
     frequencies = random.standard_normal((dimension, _COSINES)) * stretch
     phases = random.uniform(0.0, 2.0 * np.pi, _COSINES)
-    cosines = np.cos(points / kriging.ranges @ frequencies + phases)
-    amplitudes = random.standard_normal((_COSINES, count))
-    size = np.sqrt(2.0 * kriging.signal_variance / _COSINES)
-    return np.asarray(size * cosines @ amplitudes)
+    cosines = points / kriging.ranges @ frequencies
+    # In place: new arrays of this size take longer than the arithmetic.
+    cosines += phases
+    np.cos(cosines, out=cosines)
+    cosines *= np.sqrt(2.0 * kriging.signal_variance / _COSINES)
+    return np.asarray(cosines @ random.standard_normal((_COSINES, count)))

@@ -142,8 +142,8 @@ class HeapView(RunView):
             angle = self._angle()
         except NotMeasurableError:
             return MeasuredDrawing(self.drawing(), "")
-        view = min(angle.views, key=lambda view: _unlike(view, angle.value))
-        silhouette = heap_silhouette(self.particles, view.azimuth, self.plate_radius)
+        seen = zip(angle.views, self.silhouettes, strict=True)
+        view, silhouette = min(seen, key=lambda pair: _unlike(pair[0], angle.value))
         flanks = sum((v.left is not None) + (v.right is not None) for v in angle.views)
         words = f"mean of {flanks} fitted flanks from all sides"
         return MeasuredDrawing(draw(silhouette, view, target), words)
