@@ -7,13 +7,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
 from threadpoolctl import threadpool_limits
 
-from grainfit import one_thread
+from grainfit import design, estimate, one_thread
 from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
@@ -29,6 +30,7 @@ from grainfit.work_folder.status import read_status
 from tests.commands import grainfit_here
 
 GLASS_BEADS = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
+THREE_TESTS = Path(__file__).parents[2] / "examples" / "three_tests" / "calibration.toml"
 MODEL = """
 import random
 import time
@@ -348,10 +350,21 @@ def test_check_loads_no_library_that_it_does_not_need(tmp_path: Path) -> None:
     assert not (slow | {"scipy.optimize", "scipy.stats"}) & modules
 
 
-def test_a_check_limits_threads_of_linear_algebra_once(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "answer",
+    [
+        lambda: describe_plan(load_calibration(GLASS_BEADS)).notes,
+        lambda: estimate(THREE_TESTS),
+        lambda: design(GLASS_BEADS),
+    ],
+    ids=["check", "estimate", "design"],
+)
+def test_threads_of_linear_algebra_are_limited_once(
+    answer: Callable[[], object], monkeypatch: pytest.MonkeyPatch
+) -> None:
     limits = Mock(wraps=threadpool_limits)
     monkeypatch.setattr(one_thread, "threadpool_limits", limits)
-    assert describe_plan(load_calibration(GLASS_BEADS)).notes
+    assert answer()
     limits.assert_called_once()
 
 

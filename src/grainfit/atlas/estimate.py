@@ -25,6 +25,7 @@ from grainfit.metamodels.importance_sampling import (
 )
 from grainfit.metamodels.likelihood import Likelihood, log_prior
 from grainfit.one_line import OneLine
+from grainfit.one_thread import one_thread
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.program import DeckSolver
@@ -222,6 +223,7 @@ def _response_row(one: EstimatedResponse) -> tuple[str, ...]:
     )
 
 
+@one_thread()
 def estimate_of(
     problem: Problem, solvers: Mapping[str, Solver], atlas: Atlas | None = None, seed: int = 1
 ) -> Estimate:

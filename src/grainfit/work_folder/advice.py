@@ -14,6 +14,7 @@ from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.calibration_file.accuracies import Accuracies, accuracy_of, read_accuracies
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.errors import InputError
+from grainfit.one_thread import one_thread
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
 from grainfit.which_test.available import available_tests, material_of
@@ -28,6 +29,7 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
 
+@one_thread()
 def advise(
     saved: SavedCalibration,
     *,

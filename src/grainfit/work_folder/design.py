@@ -14,6 +14,7 @@ from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.errors import InputError
 from grainfit.formatting import counted
+from grainfit.one_thread import one_thread
 from grainfit.problem import Parameter
 from grainfit.validation import as_number
 from grainfit.which_test import messages
@@ -31,6 +32,7 @@ from grainfit.which_test.told_by_atlas import are_dry_spheres, told_tests, untol
 _SIDE = 0.35
 
 
+@one_thread()
 def design(
     source: str | Path | PlannedFile,
     *,
