@@ -324,6 +324,10 @@ class TestRun:
         with pytest.raises(RunFailedError, match=f"(?=.* 9[67][0-9][0-9] Pa instead){not_held}"):
             small().measure(RunOutput(copied))
 
+    def test_a_stress_that_ends_its_stage_at_the_limit_is_measured(self, copied: Path) -> None:
+        edit_series(copied, "load", "piston_force", lambda force: 0.989 * force)
+        assert "loading_modulus" in small().measure(RunOutput(copied))
+
     def test_a_bed_that_creeps_under_the_seating_stress_is_measured(self, copied: Path) -> None:
         edit_series(copied, "seat", "piston_force", lambda force: 0.98 * force)
         assert "loading_modulus" in small().measure(RunOutput(copied))

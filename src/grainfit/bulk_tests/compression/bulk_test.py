@@ -46,8 +46,10 @@ from grainfit.scenes.shapes import Cylinder, Plane
 
 #: Snapshots of a run, and its picture.
 _FILLED, _LOADED, _PICTURE = "filled", "loaded", "compression.png"
-#: Accepted deviation of the stress at the end of a stage.
+#: Accepted deviation of the stress at the two looks that end a stage.
 _HELD = 0.01
+#: The same of its mean between two looks, at which a stage that ends at the limit may be beyond it.
+_HELD_BETWEEN = 0.02
 #: The same at the end of seating, where strain is zero: the bed still creeps under so small a
 #: stress, and 5 % of it are 0.25 % of the stress at which moduli are measured.
 _SEATED = 0.05
@@ -298,7 +300,7 @@ class Compression(BulkTest):
         ------
         RunFailedError
             The simulation did not end as a compression test requires: the bed did not come to
-            rest, the stress was not held within 1 %, the piston left the pot, particles broke out
+            rest, the stress was not held within 2 %, the piston left the pot, particles broke out
             or overlap grossly, or a stage is missing.
         NotMeasurableError
             A response has no value, with the reason.
@@ -334,7 +336,7 @@ class Compression(BulkTest):
         setup = self.setup
         for name, curve, stress, within in (
             ("seat", seat, setup.seating_stress, _SEATED),
-            ("load", load, setup.stress, _HELD),
+            ("load", load, setup.stress, _HELD_BETWEEN),
         ):
             held = curve.last(setup.filling.check_interval / 2).stresses.mean()
             require_held(held, stress, within, name)
