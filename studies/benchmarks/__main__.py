@@ -10,12 +10,22 @@ import typer
 
 from benchmarks.kept_runs import measure
 from grainfit.errors import GrainfitError
-from studies.benchmarks import drum_parts, gas, impacts, packings, sandpile, shear, silo
+from studies.benchmarks import (
+    drum_parts,
+    gas,
+    impacts,
+    mixing_drum,
+    packings,
+    sandpile,
+    shear,
+    silo,
+)
 from studies.benchmarks.drum_pictures import measure_pictures
 from studies.benchmarks.page import (
     KEPT,
     KEPT_DRUMS,
     KEPT_GASES,
+    KEPT_MIXING,
     KEPT_PACKINGS,
     KEPT_PILES,
     KEPT_SHEAR,
@@ -31,11 +41,15 @@ SIMULATED: Mapping[str, tuple[Callable[..., Any], Path, Callable[..., Any]]] = {
     "packings": (packings.all_packings, KEPT_PACKINGS, packings.simulate),
     "shear": (shear.all_sheared, KEPT_SHEAR, shear.simulate),
     "silo": (silo.all_silos, KEPT_SILOS, silo.simulate),
+    "mixing": (mixing_drum.all_drums, KEPT_MIXING, mixing_drum.simulate),
     "drum": (drum_parts.all_parts, KEPT_DRUMS, drum_parts.simulate),
     "sandpile": (sandpile.all_piles, KEPT_PILES, sandpile.simulate),
 }
 #: Runs as they were published, for a cluster.
-FULL_SIZE: Mapping[str, Callable[..., Any]] = {"silo": silo.full_silos}
+FULL_SIZE: Mapping[str, Callable[..., Any]] = {
+    "silo": silo.full_silos,
+    "mixing": mixing_drum.full_drums,
+}
 STEPS = (*SIMULATED, "pictures", "page")
 app = typer.Typer(
     add_completion=False,
@@ -64,7 +78,8 @@ def main(
     full: Annotated[
         bool,
         typer.Option(
-            "--full-size", help="Also the silo as it was published: a day on one processor."
+            "--full-size",
+            help="Also silo and mixing drum as they were published: a day on one processor each.",
         ),
     ] = False,
 ) -> None:

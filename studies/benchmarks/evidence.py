@@ -23,6 +23,7 @@ from studies.benchmarks import (
     disagreement,
     drum_parts,
     gas,
+    mixing_drum,
     packings,
     sandpile,
     shear,
@@ -40,7 +41,7 @@ class Records:
 
     Parameters
     ----------
-    impacts, gases, packings, sheared, silos, drums, piles : mapping
+    impacts, gases, packings, sheared, silos, drums, piles, mixed : mapping
         Records by run.
     """
 
@@ -51,6 +52,7 @@ class Records:
     silos: Mapping[silo.Silo, Mapping[str, Any]]
     drums: Mapping[drum_parts.Part, Mapping[str, Any]]
     piles: Mapping[sandpile.Pile, Mapping[str, Any]]
+    mixed: Mapping[mixing_drum.Drum, Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,7 @@ def evidence(records: Records) -> list[Evidence]:
         *_packings(records.packings),
         *_shear(records.sheared),
         *_silo(records.silos),
+        _mixing(records.mixed),
         *_drum(records.drums),
         *_piles(records.piles),
         *_janssen(),
@@ -250,6 +253,22 @@ def _silo(records: Mapping[silo.Silo, Mapping[str, Any]]) -> Iterator[Evidence]:
     )
     reference = f"{silo.RATIO:.2f} ± {silo.RATIO_WITHIN} (eight programs)"
     yield Evidence("its ratio to that out of 40 mm", reference, ratios, command)
+
+
+def _mixing(records: Mapping[mixing_drum.Drum, Mapping[str, Any]]) -> Evidence:
+    """Compare where the spheres of a mixing drum are with published counts, of two programs."""
+    results = {}
+    for solver, record in mixing_drum.drums_of(records).items():
+        worst = float(mixing_drum.deviations(record).max())
+        results[solver] = Result(f"{100 * worst:.1f} %", worst <= mixing_drum.AGREES)
+    own = float(mixing_drum.published_deviations(mixing_drum.TIME).max())
+    names = " and ".join(mixing_drum.PROGRAMS.values())
+    return Evidence(
+        "mixing drum, two materials: spheres in a quarter, mean difference",
+        f"{names}, {100 * own:.1f} % apart",
+        results,
+        "python -m studies.benchmarks mixing",
+    )
 
 
 def _drum(records: Mapping[drum_parts.Part, Mapping[str, Any]]) -> Iterator[Evidence]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.measurement.line_panel import PlottedLine, line_panel
 from grainfit.measurement.sheet import OVERSAMPLING, sheet
-from studies.benchmarks import disagreement, shear
+from studies.benchmarks import disagreement, mixing_drum, shear
 from studies.benchmarks.comparisons import Records
 from studies.benchmarks.impacts import abscissae
 from studies.benchmarks.published import curve
@@ -126,6 +127,32 @@ def draw_shear(records: shear.Records, path: Path) -> Path:
         )
     title = "Steady shear of spheres without rolling friction"
     words = "Above in the limit of no inertia, below over the inertial number."
+    sheet(title, words, panels, _SIZE[0]).save(path)
+    return path
+
+
+def draw_mixing(records: Mapping[mixing_drum.Drum, Mapping[str, Any]], path: Path) -> Path:
+    """Draw the counts of a mixing drum over time to a PNG file, as shares of all spheres."""
+    published = {"musen": _PUBLISHED, "liggghts": "#1f2933"}
+    panels = []
+    for number, (zone, count) in enumerate(zip(mixing_drum.ZONES, mixing_drum.ALL, strict=True)):
+        lines = []
+        for program, name in mixing_drum.PROGRAMS.items():
+            times, counts = mixing_drum.published(program)
+            shown = times <= mixing_drum.TIME
+            shares = 100 * counts[shown, number] / count
+            label = f"paper: {name}"
+            lines.append(PlottedLine(times[shown], shares, label, published[program]))
+        for solver, record in mixing_drum.drums_of(records).items():
+            shares = 100 * np.array(record["counts"])[:, number] / count
+            lines.append(PlottedLine(record["times"], shares, _NAMES[solver], _COLOURS[solver]))
+        quarter, size = zone.split("_")
+        label = f"{size} spheres in the {quarter} quarter, %"
+        panels.append(line_panel(lines, "time, s", label, _SIZE))
+    title = "Mixing drum of two materials"
+    words = (
+        "30,000 spheres of 2 mm begin above 8,000 of 4 mm; the drum carries them up to the right."
+    )
     sheet(title, words, panels, _SIZE[0]).save(path)
     return path
 

@@ -14,6 +14,7 @@ from studies.benchmarks import (
     disagreement,
     drum_parts,
     gas,
+    mixing_drum,
     packings,
     sandpile,
     shear,
@@ -32,14 +33,19 @@ _README = ROOT / "README.md"
 KEPT, KEPT_GASES = DATA / "impacts.jsonl", DATA / "gas.jsonl"
 KEPT_PACKINGS, KEPT_SHEAR = DATA / "packings.jsonl", DATA / "shear.jsonl"
 KEPT_SILOS, KEPT_DRUMS = DATA / "silo.jsonl", DATA / "drum.jsonl"
-KEPT_PILES = DATA / "sandpile.jsonl"
+KEPT_PILES, KEPT_MIXING = DATA / "sandpile.jsonl", DATA / "mixing.jsonl"
 _MARKED = re.compile("(?<=<!-- evidence -->\n).*(?=<!-- end of evidence -->)", re.DOTALL)
 
 
 def write_page() -> list[Path]:
     """Write page, figures and table; return their paths."""
     # Figures need Pillow, and nothing else does.
-    from studies.benchmarks.figures import draw_disagreement, draw_impacts, draw_shear
+    from studies.benchmarks.figures import (
+        draw_disagreement,
+        draw_impacts,
+        draw_mixing,
+        draw_shear,
+    )
 
     records = kept_records()
     write_atomically(_PAGE, page(records))
@@ -50,6 +56,7 @@ def write_page() -> list[Path]:
         draw_impacts(records.impacts, _IMAGES / "elementary_impacts.png"),
         draw_disagreement(_IMAGES / "two_calibrations.png"),
         draw_shear(records.sheared, _IMAGES / "sheared_spheres.png"),
+        draw_mixing(records.mixed, _IMAGES / "mixing_drum.png"),
     ]
 
 
@@ -63,6 +70,7 @@ def kept_records() -> Records:
         read(KEPT_SILOS, silo.Silo),
         read(KEPT_DRUMS, drum_parts.Part),
         read(KEPT_PILES, sandpile.Pile),
+        read(KEPT_MIXING, mixing_drum.Drum),
     )
 
 
@@ -82,10 +90,12 @@ def page(records: Records) -> str:
         seconds=comparisons.processor_seconds(records.impacts),
         beds={
             step: [row for row in rows if row.command.endswith(step)]
-            for step in ("gas", "packings", "shear", "silo", "drum", "sandpile")
+            for step in ("gas", "packings", "shear", "silo", "mixing", "drum", "sandpile")
         },
         silo=silo,
         silos=records.silos,
+        mixing=mixing_drum,
+        mixed=records.mixed,
         drum=drum_parts,
         drums=records.drums,
         programs={**NAMES, "constant_torque": "LIGGGHTS"},

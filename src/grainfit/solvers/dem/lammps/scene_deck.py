@@ -90,7 +90,7 @@ class LammpsSceneDeck(ScriptDeck):
     @property
     def largest_radius(self) -> float:
         """Radius of the largest sphere, m."""
-        return max(self._kinds.radii)
+        return max(self.kinds.radii)
 
     @property
     def kinetic(self) -> str:
@@ -129,7 +129,7 @@ class LammpsSceneDeck(ScriptDeck):
     # --- contacts ------------------------------------------------------------------------------
 
     @cached_property
-    def _kinds(self) -> SphereTypes:
+    def kinds(self) -> SphereTypes:
         """Types of spheres."""
         if self.clumps is None:
             return SphereTypes.of(self.scene.sizes)
@@ -146,7 +146,7 @@ class LammpsSceneDeck(ScriptDeck):
 
     def between_particles(self, sliding_friction: float | None = None) -> Iterator[str]:
         """Iterate over the contact law between particles, with another sliding friction."""
-        scene, kinds = self.scene, self._kinds
+        scene, kinds = self.scene, self.kinds
         material = scene.material_on("wall")
         if sliding_friction is not None:
             material["particle_particle.sliding_friction"] = sliding_friction
@@ -178,7 +178,7 @@ class LammpsSceneDeck(ScriptDeck):
             yield from self.put(name, wall)
 
     def _numbers(self) -> range:
-        return range(1, len(self._kinds.radii) + 1)
+        return range(1, len(self.kinds.radii) + 1)
 
     def put(self, name: str, wall: Wall) -> Iterator[str]:
         """Put a wall."""
@@ -192,7 +192,7 @@ class LammpsSceneDeck(ScriptDeck):
         material = self.scene.material_on(wall.surface)
         measured = " contacts" if name in self.measured_walls() else ""
         for number in self._numbers():
-            contact = self._kinds.on_wall(
+            contact = self.kinds.on_wall(
                 material, number, self.scene.weight_gravity, self.scene.typical_load
             )
             clauses = lammps_clauses(self.law, contact)

@@ -8,7 +8,11 @@ from pathlib import Path
 from typing import ClassVar
 
 from grainfit.contact_models.contact import Contact
-from grainfit.contact_models.liggghts import liggghts_model, liggghts_properties
+from grainfit.contact_models.liggghts import (
+    LiggghtsProperties,
+    liggghts_model,
+    liggghts_properties,
+)
 from grainfit.errors import InputError
 from grainfit.scenes.conditions import Condition, Drained
 from grainfit.scenes.run_output import snapshot_file
@@ -193,10 +197,7 @@ class LiggghtsSceneDeck(ScriptDeck):
         surfaces = self._surfaces
         names = "".join(f", {n} {name}" for n, name in enumerate(surfaces, 2))
         yield heading(f"materials: 1 particles{names}")
-        materials = [self.scene.material_on(name) for name in surfaces]
-        properties = liggghts_properties(
-            self.law, materials, list(self._kinds_of_contact(materials))
-        )
+        properties = self.properties()
         for name, values in properties.bodies.items():
             row = " ".join(map(str, values))
             key = properties.keys[name]
@@ -208,6 +209,11 @@ class LiggghtsSceneDeck(ScriptDeck):
         yield command("pair_coeff", "* *")
         if self.clumps is not None:
             yield from self.clumps.define()
+
+    def properties(self) -> LiggghtsProperties[float]:
+        """Return the properties of particles and surfaces, in the order of their types."""
+        materials = [self.scene.material_on(name) for name in self._surfaces]
+        return liggghts_properties(self.law, materials, list(self._kinds_of_contact(materials)))
 
     def _kinds_of_contact(self, materials: Iterable[Mapping[str, float]]) -> Iterator[Contact]:
         """Iterate over the contact of two particles, and those with walls of some materials."""
