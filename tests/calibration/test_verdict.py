@@ -100,13 +100,17 @@ def test_fresh_seeds_that_contradict_the_others_leave_it_undecided() -> None:
 
 
 def test_an_answer_on_the_edge_of_a_tolerance_is_called_so() -> None:
-    found = judged(0.6, predicted={"angle": 30.48}, runs_needed=10**6)
+    known = {"standard_errors": {"angle": 0.1}, "runs_needed": 10**6}
+    found = judged(0.6, predicted={"angle": 30.48}, **known)
     assert found.status == "undecided"
     assert isinstance(found.reasons[0], OnTheEdge)
     assert messages.ON_THE_EDGE.is_in(str(found.reasons[0]), where="on")
     assert "angle 0.96 tolerances off" in str(found.reasons[0])
-    beyond = judged(0.1, predicted={"angle": 30.6}, runs_needed=10**6)
+    beyond = judged(0.1, predicted={"angle": 30.6}, **known)
     assert "beyond the edge" in str(beyond.reasons[0])
+    # Where it may as well be half a tolerance away, more runs would change that.
+    unsure = judged(0.1, predicted={"angle": 30.54}, standard_errors={"angle": 0.5})
+    assert isinstance(unsure.reasons[0], TooMuchScatter)
 
 
 def test_a_target_out_of_reach_is_unreachable_whatever_the_probability() -> None:

@@ -152,6 +152,19 @@ def test_an_answer_on_the_edge_of_a_tolerance_ends_it_soon(seed: int) -> None:
     assert len(converse(search, simulate)) <= search.design_runs + 15
 
 
+def test_an_answer_that_may_as_well_be_within_its_tolerance_does_not_end_it() -> None:
+    parameters = [Parameter("x", 0.0, 1.0), Parameter("z", 0.0, 1.0)]
+    edge = Problem(parameters, [Target("y", 11.0, tolerance=1.0)])
+
+    def simulate(proposal: Proposal) -> Evaluation:
+        noise = 2.5 * np.random.default_rng(proposal.seed).standard_normal()
+        return Evaluation.of(proposal, {"y": 5.0 * sum(proposal.parameters.values()) + noise})
+
+    search = Sequential().start(edge, 1)
+    # After 19 runs it seems to lie on the edge, but by chance as much as not.
+    assert len(converse(search, simulate)) > search.design_runs + 25
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_budget_that_was_given_is_used_to_its_end(seed: int) -> None:
     search = Sequential().start(FLOOR, seed, 14)

@@ -31,6 +31,9 @@ class VerdictOptions:
     edge, beyond_edge : float
         Expected deviation, in tolerances, from which an answer lies on the edge of a tolerance, and
         beyond it: the runs that would decide it grow with the inverse square of the distance.
+    known_edge : float
+        Largest standard error of that deviation, in tolerances, with which more runs would hardly
+        change it.
     enough_at_edge : int
         Runs after the design with which a search ends whose best is on an edge.
     quiet, fewest_of_quiet : float, int
@@ -57,6 +60,7 @@ class VerdictOptions:
     most_planned: int = 24
     edge: float = 0.9
     beyond_edge: float = 1.1
+    known_edge: float = 0.25
     enough_at_edge: int = 15
     quiet: float = 0.25
     fewest_of_quiet: int = 2

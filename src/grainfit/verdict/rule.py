@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from grainfit.verdict.edge import is_at_edge
 from grainfit.verdict.evidence import (
     CurveEvidence,
     Evidence,
@@ -303,11 +304,12 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
 def _on_the_edge(evidence: Evidence, doubtful: Sequence[TargetEvidence]) -> OnTheEdge | None:
     """Return that responses are expected at the edge of their tolerance; None if none is."""
     found = [
-        AtEdge(one.name, off, one.standard_error / one.tolerance)
+        AtEdge(one.name, off, error)
         for one in doubtful
         if not one.curve
         for off in [abs(one.expected - one.value) / one.tolerance]
-        if off >= VERDICT.edge
+        for error in [one.standard_error / one.tolerance]
+        if is_at_edge(off, error)
     ]
     if not found:
         return None

@@ -19,6 +19,7 @@ from grainfit.strategies.sequential.answer_search import AnswerSearch
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.options import SequentialOptions
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
+from grainfit.verdict.edge import is_at_edge
 from grainfit.verdict.options import VERDICT
 from grainfit.verdict.out_of_reach import OutOfReach
 
@@ -160,11 +161,14 @@ class Belief:
 
     @property
     def is_at_edge(self) -> bool:
-        """Whether the closest point is expected on the edge of a tolerance."""
+        """Whether the closest point is known to lie on the edge of a tolerance."""
         targets = self.problem.targets
-        means = self.metamodels.predict(self.answers.closest[:1])[0][0]
-        off = np.abs(means - [t.value for t in targets]) / [t.tolerance for t in targets]
-        return bool(VERDICT.edge <= off.max() <= VERDICT.beyond_edge)
+        means, variances = (one[0] for one in self.metamodels.predict(self.answers.closest[:1]))
+        tolerances = np.array([target.tolerance for target in targets])
+        off = np.abs(means - [target.value for target in targets]) / tolerances
+        worst = int(off.argmax())
+        error = float(np.sqrt(variances[worst]) / tolerances[worst])
+        return is_at_edge(float(off[worst]), error) and off[worst] <= VERDICT.beyond_edge
 
     @property
     def scatter(self) -> float:
