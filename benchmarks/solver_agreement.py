@@ -46,8 +46,8 @@ from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE, ROUGH_SPHERES
 SOLVERS = ("lammps", "liggghts")
 DIAMETER = 0.010
 MATERIALS: Mapping[str, Mapping[str, float]] = {"rough": ROUGH_SPHERES, "beads": GLASS_BEADS}
-#: A test that needs another modulus than the others, Pa.
-MODULI = {"compression": 10e6}
+#: Tests that need another modulus than the others, Pa.
+MODULI = {"compression": 10e6, "triaxial": 10e6}
 Record = dict[str, Any]
 
 
@@ -64,10 +64,8 @@ def run(test: str, solver: str, seed: int, name: str, changes: Mapping[str, floa
         "changes": dict(changes),
     }
     with tempfile.TemporaryDirectory() as folder:
-        program = DEM_PROGRAMS[solver](
-            bulk_tests()[test](diameter=DIAMETER, **(ROUGH_PLATE if test == "heap" else {})),
-            material,
-        )
+        plate = ROUGH_PLATE if test in ("funnel", "heap") else {}
+        program = DEM_PROGRAMS[solver](bulk_tests()[test](diameter=DIAMETER, **plate), material)
         try:
             responses = program.run({}, seed, Workspace(Path(folder)))
         except GrainfitError as error:
