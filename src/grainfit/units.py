@@ -246,7 +246,8 @@ def _split(text: str, unit: str) -> tuple[float, str]:
     for behind_number, slip in _SLIPS.items():
         if behind_number.match(match["unit"]):
             raise UnitError(slip.fault("", given=text))
-    return float(match["number"]), match["unit"]
+    # Spaces of any kind are one: a message shows the unit.
+    return float(match["number"]), " ".join(match["unit"].split())
 
 
 def _convert(number: float, written: str, expected: str, text: str) -> float:

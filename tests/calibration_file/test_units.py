@@ -86,6 +86,14 @@ def test_what_is_no_length_is_refused(text: str) -> None:
         to_unit(text, "m")
 
 
+@pytest.mark.parametrize("space", ["\N{NO-BREAK SPACE}", "\N{EM SPACE}", "\N{LINE SEPARATOR}"])
+def test_a_unit_with_unusual_spaces_is_refused_in_printable_words(space: str) -> None:
+    with pytest.raises(UnitError) as refused:
+        to_unit(f"5 kg{space}m", "Pa")
+    assert str(refused.value).isprintable()
+    assert to_unit(f"2100 kg{space}m^-3", "kg/m^3") == 2100.0
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
