@@ -30,7 +30,7 @@ from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.size import resized
 from grainfit.formatting import number
 from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
+from grainfit.testing.materials import ROUGH_SPHERES, rough_plate_of
 from kept_runs import measure, read, scatter, simulate
 
 DIAMETER = 0.010
@@ -56,8 +56,7 @@ class Run(NamedTuple):
 
 def larger(test: str, times: float) -> BulkTest:
     """Return a test in an apparatus that holds so many times the particles."""
-    plate = ROUGH_PLATE if test in ("funnel", "heap") else {}
-    return resized(bulk_tests()[test](diameter=DIAMETER, **plate), times)
+    return resized(bulk_tests()[test](diameter=DIAMETER, **rough_plate_of(test)), times)
 
 
 def material_of(test: str, modulus: float = ROUGH_SPHERES[MODULUS]) -> Mapping[str, float]:

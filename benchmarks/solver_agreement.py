@@ -40,7 +40,7 @@ from grainfit.evaluation import scalars
 from grainfit.formatting import number
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
-from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE, ROUGH_SPHERES
+from grainfit.testing.materials import GLASS_BEADS, ROUGH_SPHERES, rough_plate_of
 
 #: The first one is the reference.
 SOLVERS = ("lammps", "liggghts")
@@ -64,8 +64,9 @@ def run(test: str, solver: str, seed: int, name: str, changes: Mapping[str, floa
         "changes": dict(changes),
     }
     with tempfile.TemporaryDirectory() as folder:
-        plate = ROUGH_PLATE if test in ("funnel", "heap") else {}
-        program = DEM_PROGRAMS[solver](bulk_tests()[test](diameter=DIAMETER, **plate), material)
+        program = DEM_PROGRAMS[solver](
+            bulk_tests()[test](diameter=DIAMETER, **rough_plate_of(test)), material
+        )
         try:
             responses = program.run({}, seed, Workspace(Path(folder)))
         except GrainfitError as error:

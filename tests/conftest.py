@@ -4,9 +4,12 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
+from unittest.mock import Mock
 
 import pytest
 from threadpoolctl import threadpool_limits
+
+from grainfit import one_thread
 
 # Workers and children of the tests find compiled modules, as users do, also where an image of a
 # container forbids to keep them: each start would compile all of grainfit again.
@@ -19,6 +22,14 @@ def _one_thread_of_linear_algebra() -> Iterator[None]:
     """As in a calibration: threads on small matrices cost more than they give."""
     with threadpool_limits(limits=1, user_api="blas"):
         yield
+
+
+@pytest.fixture
+def thread_limits(monkeypatch: pytest.MonkeyPatch) -> Mock:
+    """Count the limits that are set for threads of linear algebra."""
+    found = Mock(wraps=threadpool_limits)
+    monkeypatch.setattr(one_thread, "threadpool_limits", found)
+    return found
 
 
 @pytest.fixture

@@ -11,7 +11,6 @@ Dosta et al. (2024), Computer Physics Communications 296:109066: eight programs.
 
 from __future__ import annotations
 
-import csv
 import math
 import resource
 import tempfile
@@ -42,12 +41,13 @@ from grainfit.scenes.scene import (
 )
 from grainfit.scenes.shapes import Cylinder, Plane
 from grainfit.solvers.base import Workspace
-from studies.benchmarks.published import DATA
-from studies.benchmarks.silo import MATERIAL, PUBLISHED_MODULUS, STIFFER
+from studies.benchmarks.published import rows_of
+from studies.benchmarks.sandpile import mass_fractions
+from studies.benchmarks.silo import GRAVITY, MATERIAL, PUBLISHED_MODULUS, material_of
 from studies.benchmarks.two_materials import SecondMaterial, two_materials
 
 DIAMETERS, COUNTS = (0.002, 0.004), (30_000, 8_000)
-RADIUS, LENGTH, SPEED, GRAVITY = 0.1, 0.06, 2.0, 9.81
+RADIUS, LENGTH, SPEED = 0.1, 0.06, 2.0
 #: Density of M2, kg/m^3, its Young's modulus over that of M1, and its contacts.
 SECOND: Mapping[str, float] = {
     "particle.density": 2000.0,
@@ -142,12 +142,8 @@ def _is_small(bed: Particles) -> NDArray[np.bool_]:
 
 def drum_scene(run: Drum) -> Scene:
     """Return the drum: two layers come to rest in it, and it turns about the x axis."""
-    sizes = ParticleSizes(DIAMETERS, _mass_fractions())
-    material = {
-        **MATERIAL,
-        "particle.youngs_modulus": run.modulus,
-        "wall.youngs_modulus": STIFFER * run.modulus,
-    }
+    sizes = ParticleSizes(DIAMETERS, mass_fractions(DIAMETERS, COUNTS))
+    material = material_of(run.modulus)
     side, unit = RADIUS + DIAMETERS[1], natural_time(sizes, GRAVITY)
     margin = 1.5 * DIAMETERS[1]
     walls = {
@@ -177,11 +173,6 @@ def drum_scene(run: Drum) -> Scene:
         quiet_speed=0.02 * natural_speed(sizes, GRAVITY),
         check_interval=1.5 * unit,
     )
-
-
-def _mass_fractions() -> tuple[float, ...]:
-    masses = [count * d**3 for count, d in zip(COUNTS, DIAMETERS, strict=True)]
-    return tuple(mass / sum(masses) for mass in masses)
 
 
 def filling() -> Column:
@@ -214,9 +205,7 @@ def _layers(diameter: float, bottom: float, count: int) -> NDArray[np.float64]:
 @cache
 def published(program: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return times, s, and counts of a published drum, shape (n, 4)."""
-    with (DATA / "dosta" / "drum.csv").open(encoding="utf-8") as file:
-        rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        own = [row for row in rows if row["program"] == program]
+    own = rows_of("dosta/drum.csv", program=program)
     counts = [[float(row[zone]) for zone in ZONES] for row in own]
     return np.array([float(row["time_s"]) for row in own]), np.array(counts)
 

@@ -12,6 +12,13 @@ from numpy.typing import NDArray
 DATA = Path(__file__).parent / "data"
 
 
+def rows_of(file: str, **values: str) -> list[dict[str, str]]:
+    """Return the rows of a table in ``data`` whose columns have these values."""
+    with (DATA / file).open(encoding="utf-8") as lines:
+        rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+        return [row for row in rows if values.items() <= row.items()]
+
+
 @cache
 def curve(name: str, series: str) -> NDArray[np.float64]:
     """Return the points of a published curve, shape (n, 2).

@@ -153,7 +153,7 @@ def measured(spheres: np.ndarray[Any, Any]) -> tuple[float, float]:
 
 def pile_scene() -> Scene:
     """Return the experiment: a hopper over a floor, whose door is taken away."""
-    sizes = ParticleSizes(DIAMETERS, _mass_fractions())
+    sizes = ParticleSizes(DIAMETERS, mass_fractions(DIAMETERS, COUNTS))
     column = _filling()
     deep, top = 3 * DIAMETERS[1], HEIGHT + 2 * DIAMETERS[1]
     floor = -LENGTH - FALL
@@ -189,8 +189,9 @@ def pile_scene() -> Scene:
     )
 
 
-def _mass_fractions() -> tuple[float, ...]:
-    masses = [count * diameter**3 for diameter, count in zip(DIAMETERS, COUNTS, strict=True)]
+def mass_fractions(diameters: Sequence[float], counts: Sequence[int]) -> tuple[float, ...]:
+    """Return the share of the mass in each diameter, of which there are so many spheres."""
+    masses = [count * diameter**3 for diameter, count in zip(diameters, counts, strict=True)]
     return tuple(mass / sum(masses) for mass in masses)
 
 

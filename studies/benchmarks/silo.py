@@ -12,7 +12,6 @@ Dosta et al. (2024), Computer Physics Communications 296:109066: eight programs.
 
 from __future__ import annotations
 
-import csv
 import math
 import resource
 import tempfile
@@ -34,7 +33,7 @@ from grainfit.scenes.scene import Box, Scene, Stage, Wall, natural_speed, natura
 from grainfit.scenes.shapes import Cone, Cylinder, Disc
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
-from studies.benchmarks.published import DATA
+from studies.benchmarks.published import rows_of
 
 DIAMETER, RADIUS, GRAVITY = 0.004, 0.100, 9.81
 SIZES = ParticleSizes((DIAMETER,))
@@ -123,13 +122,18 @@ def simulate(run: Silo) -> dict[str, Any]:
     }
 
 
+def material_of(modulus: float) -> dict[str, float]:
+    """Return material M1 and steel, with another Young's modulus, Pa."""
+    return {
+        **MATERIAL,
+        "particle.youngs_modulus": modulus,
+        "wall.youngs_modulus": STIFFER * modulus,
+    }
+
+
 def silo_scene(run: Silo) -> Scene:
     """Return the silo: it is filled, comes to rest, and flows."""
-    material = {
-        **MATERIAL,
-        "particle.youngs_modulus": run.modulus,
-        "wall.youngs_modulus": STIFFER * run.modulus,
-    }
+    material = material_of(run.modulus)
     orifice = run.orifice / 2000
     slope = RADIUS - orifice
     column = filling(run.spheres, orifice, run.seed)
@@ -187,9 +191,7 @@ def filling(count: int, orifice: float, seed: int) -> Column:
 @cache
 def published(program: str, orifice: int) -> NDArray[np.float64]:
     """Return times, s, and spheres left in a published silo, shape (n, 2)."""
-    with (DATA / "dosta" / "silo.csv").open(encoding="utf-8") as file:
-        rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        own = [r for r in rows if (r["program"], int(r["orifice_mm"])) == (program, orifice)]
+    own = rows_of("dosta/silo.csv", program=program, orifice_mm=str(orifice))
     return np.array([[float(row["time_s"]), float(row["left"])] for row in own])
 
 

@@ -77,7 +77,7 @@ class _Types(SphereTypes):
 
 def two_materials(solver: str, second: SecondMaterial) -> type[DeckSolver]:
     """Return the program whose spheres of the second diameter are of a second material."""
-    density = f"type {{}} density {second.material['particle.density']}"
+    density = second.material["particle.density"]
 
     class _LammpsDeck(LammpsSceneDeck):
         @cached_property
@@ -85,7 +85,7 @@ def two_materials(solver: str, second: SecondMaterial) -> type[DeckSolver]:
             return _Types(super().kinds.radii, second=second)
 
         def contacts(self) -> Iterator[str]:
-            yield command("set", density.format(2))
+            yield command("set", f"type 2 density {density}")
             yield from super().contacts()
 
     class _LiggghtsDeck(LiggghtsSceneDeck):
@@ -94,7 +94,7 @@ def two_materials(solver: str, second: SecondMaterial) -> type[DeckSolver]:
             return last, np.where(self.size_indices == 1, last, 1).tolist()
 
         def contacts(self) -> Iterator[str]:
-            yield command("set", density.format(self.particle_types()[0]))
+            yield command("set", f"type {self.particle_types()[0]} density {density}")
             yield from super().contacts()
 
         def properties(self) -> LiggghtsProperties[float]:

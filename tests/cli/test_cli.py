@@ -12,9 +12,8 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from threadpoolctl import threadpool_limits
 
-from grainfit import design, estimate, one_thread
+from grainfit import design, estimate
 from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
@@ -360,12 +359,10 @@ def test_check_loads_no_library_that_it_does_not_need(tmp_path: Path) -> None:
     ids=["check", "estimate", "design"],
 )
 def test_threads_of_linear_algebra_are_limited_once(
-    answer: Callable[[], object], monkeypatch: pytest.MonkeyPatch
+    answer: Callable[[], object], thread_limits: Mock
 ) -> None:
-    limits = Mock(wraps=threadpool_limits)
-    monkeypatch.setattr(one_thread, "threadpool_limits", limits)
     assert answer()
-    limits.assert_called_once()
+    thread_limits.assert_called_once()
 
 
 def test_everything_public_is_there_when_it_is_first_used() -> None:

@@ -13,10 +13,8 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_limits
 
 import grainfit
-from grainfit import one_thread
 from grainfit.analysis import analysis
 from grainfit.analysis.analysis import Analysis
 from grainfit.campaign.folder_lock import hold
@@ -99,13 +97,11 @@ def test_the_report_is_one_file_that_asks_for_nothing(work: Path) -> None:
 
 
 def test_a_report_limits_threads_of_linear_algebra_once(
-    work: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    work: Path, tmp_path: Path, thread_limits: Mock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    limits = Mock(wraps=threadpool_limits)
-    monkeypatch.setattr(one_thread, "threadpool_limits", limits)
     monkeypatch.setattr(analysis, "_last", None)
     grainfit.write_report(work, tmp_path / "report.html")
-    limits.assert_called_once()
+    thread_limits.assert_called_once()
 
 
 def test_data_in_a_page_is_read_back_and_ends_no_element() -> None:

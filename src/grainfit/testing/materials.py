@@ -37,3 +37,8 @@ ROUGH_PLATE: Mapping[str, float | str] = {
     "plate_sliding_friction": 0.5,
     "plate_rolling_friction": "particle_particle",
 }
+
+
+def rough_plate_of(test: str) -> Mapping[str, float | str]:
+    """Return these options for a bulk test that has a plate; none for others."""
+    return ROUGH_PLATE if test in ("funnel", "heap") else {}

@@ -303,14 +303,16 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
 
 def _on_the_edge(evidence: Evidence, doubtful: Sequence[TargetEvidence]) -> OnTheEdge | None:
     """Return that responses are expected at the edge of their tolerance; None if none is."""
-    found = [
-        AtEdge(one.name, off, error)
+    expected = [
+        AtEdge(
+            one.name,
+            abs(one.expected - one.value) / one.tolerance,
+            one.standard_error / one.tolerance,
+        )
         for one in doubtful
         if not one.curve
-        for off in [abs(one.expected - one.value) / one.tolerance]
-        for error in [one.standard_error / one.tolerance]
-        if is_at_edge(off, error)
     ]
+    found = [one for one in expected if is_at_edge(one.deviation, one.standard_error)]
     if not found:
         return None
     is_beyond = max(one.deviation for one in found) > VERDICT.beyond_edge

@@ -201,8 +201,7 @@ class Follower:
         if not reading.is_running or identity == self._estimate[0] or not reading.requests:
             return
         self._estimate = (identity, ())
-        with one_thread():
-            found = estimate_of_running(self._folder)
+        found = estimate_of_running(self._folder)
         self._estimate = (identity, () if found is None else tuple(found.lines()))
         self._publish(reading)
 

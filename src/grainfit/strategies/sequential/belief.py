@@ -167,8 +167,8 @@ class Belief:
         tolerances = np.array([target.tolerance for target in targets])
         off = np.abs(means - [target.value for target in targets]) / tolerances
         worst = int(off.argmax())
-        error = float(np.sqrt(variances[worst]) / tolerances[worst])
-        return is_at_edge(float(off[worst]), error) and off[worst] <= VERDICT.beyond_edge
+        farthest, error = float(off[worst]), float(np.sqrt(variances[worst]) / tolerances[worst])
+        return farthest <= VERDICT.beyond_edge and is_at_edge(farthest, error)
 
     @property
     def scatter(self) -> float:
