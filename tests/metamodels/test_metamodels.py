@@ -107,6 +107,18 @@ def test_metamodels_are_fitted_to_the_runs_that_yielded_a_response() -> None:
     assert means[0] == pytest.approx([10.5, 19.5], abs=0.05)
 
 
+def test_a_run_of_one_test_leaves_the_metamodels_of_the_others_as_they_are() -> None:
+    def runs(count: int, name: str, seed: int) -> list[Evaluation]:
+        random = np.random.default_rng(seed)
+        return [evaluation(x, **{name: 10.0 * x + random.normal()}) for x in random.random(count)]
+
+    known = [*runs(6, "first", 1), *runs(8, "second", 2)]
+    before = Metamodels.fit(PROBLEM, known)
+    after = Metamodels.fit(PROBLEM, [*known, *runs(1, "first", 3)])
+    assert after.models[1] is before.models[1]
+    assert after.models[0].n == before.models[0].n + 1
+
+
 @pytest.mark.parametrize(("successes", "enough"), [(2, False), (3, True)])
 def test_two_runs_more_than_parameters_are_needed(successes: int, enough: bool) -> None:
     evaluations = [evaluation(x, first=10.0, second=20.0 + x) for x in (0.1, 0.5, 0.9)]

@@ -35,6 +35,8 @@ _EFFORT_OF_ASKING = 5_000
 _FEWEST_COMPONENTS = 2
 #: Runs at different places that a metamodel needs beside a relative.
 _FEWEST_WITH_RELATIVE = 3
+#: Fits that are kept, because the next ones are likely to need them again.
+_KEPT_FITS = 32
 #: Outcomes by which the share that meets correlated targets together is counted.
 _OUTCOMES = 512
 
@@ -548,26 +550,17 @@ def _fit(
     known = [e for e in evaluations if name in e.responses]
     axes = problem.axes_of(problem.scope_of(name))
     points = np.array([problem.to_unit(e.proposal.parameters) for e in known])
+    scatter = problem.scatters.get(name, 0.0)
     relative = None
     if of_relative := _runs_of_relative(problem, evaluations, name):
         theirs = np.array([problem.to_unit(e.proposal.parameters) for e, _ in of_relative])
-        places = tuple(tuple(place) for place in theirs[:, axes].tolist())
-        responses_there = tuple(one for _, one in of_relative)
-        relative = _fitted_relative(places, responses_there, problem.scatters.get(name, 0.0))
+        relative, _ = _fit_at(theirs[:, axes], [one for _, one in of_relative], scatter)
     responses = [e.responses[name] for e in known]
-    model, outliers = _fit_at(points[:, axes], responses, problem.scatters.get(name, 0.0), relative)
+    model, outliers = _fit_at(points[:, axes], responses, scatter, relative)
     runs = tuple(known[index].proposal.seed for index in outliers.indices)
     if len(axes) < problem.dimension:
         model = model.embedded(axes, np.delete(points, outliers.indices, axis=0))
     return model, replace(outliers, seeds=runs)
-
-
-@lru_cache(maxsize=32)
-def _fitted_relative(
-    points: tuple[tuple[float, ...], ...], responses: tuple[Response, ...], scatter: float
-) -> Kriging:
-    """Fit the metamodel of a relative; its runs stay the same while those of the test come."""
-    return _fit_at(np.array(points), responses, scatter)[0]
 
 
 def _fit_at(
@@ -577,10 +570,19 @@ def _fit_at(
     relative: Kriging | None = None,
 ) -> tuple[Kriging, Outliers]:
     """Fit the metamodel of a target, or of its relative, to responses at points."""
-    return fit_without_outliers(
-        points,
-        np.array([response.value for response in responses]),
-        np.array([response.standard_error for response in responses]),
-        scatter,
-        relative,
-    )
+    values = tuple(response.value for response in responses)
+    errors = tuple(response.standard_error for response in responses)
+    return _fit_once(tuple(map(tuple, points.tolist())), values, errors, scatter, relative)
+
+
+@lru_cache(maxsize=_KEPT_FITS)
+def _fit_once(
+    points: tuple[tuple[float, ...], ...],
+    values: tuple[float, ...],
+    standard_errors: tuple[float, ...],
+    scatter: float,
+    relative: Kriging | None,
+) -> tuple[Kriging, Outliers]:
+    """Fit a metamodel, unless it is known: a new run of one test changes nothing for the others."""
+    responses, errors = np.array(values), np.array(standard_errors)
+    return fit_without_outliers(np.array(points), responses, errors, scatter, relative)
