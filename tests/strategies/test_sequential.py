@@ -14,7 +14,7 @@ from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.strategies import messages
 from grainfit.strategies.answer import Answer
-from grainfit.strategies.sequential.search import RUNS_PER_PARAMETER
+from grainfit.strategies.sequential.search import RUNS_PER_PARAMETER, SequentialSearch
 from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.strategy_contract import (
     converse,
@@ -453,6 +453,19 @@ def test_expected_runs_move_from_the_recorded_to_the_measured_scatter(
         assert expected[-1] > 3 * expected[0]
     else:
         assert expected[-1] < expected[0] / 5
+
+
+def test_a_search_that_takes_longer_than_usual_is_not_about_to_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(SequentialSearch, "_usual_runs", lambda *_: 0)
+    search = Sequential().start(heap_problem(tolerance=0.2), 1)
+    for told in range(1, DESIGN + 11):
+        proposal = search.ask()
+        assert proposal is not None
+        search.tell(proposal, heap(proposal))
+        if told > DESIGN:
+            assert search.expected_left >= told / 5
 
 
 # Several runs at a time ----------------------------------------------------------------------

@@ -61,6 +61,9 @@ _TRIES_OF_A_MACHINE = 3
 _USUAL_AFTER_DESIGN = 5
 #: Runs that usually narrow the intervals to a wanted half-width after the answer is known.
 _USUAL_TO_NARROW = 12
+#: Share of the runs so far that usually follow them in a search that takes longer than usual
+#: (`benchmarks/forecasts.py`).
+_LONGER_THAN_USUAL = 0.2
 _MOST_WIDENINGS = 4
 #: Runs that the expected scatter counts as, beside the measured one.
 _RUNS_OF_EXPECTED = 5
@@ -250,6 +253,8 @@ class SequentialSearch(Search):
             return max(pending, usual + usual_to_narrow - told)
         belief = self._belief
         usual = self._usual_runs(self._likely_scatter(belief.scatter, done)) - done
+        # A search that has taken longer than usual is not about to end.
+        usual = max(usual, math.ceil(_LONGER_THAN_USUAL * told))
         needed = min(belief.runs_needed(self.confidence_to_stop), usual)
         if not belief.is_likely:
             needed = max(needed, _USUAL_AFTER_DESIGN)
