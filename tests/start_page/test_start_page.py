@@ -87,6 +87,9 @@ def test_from_nothing_to_an_estimate_and_a_plan(server: StartServer) -> None:
         expect(page.locator("#estimate")).to_contain_text("sliding_friction")
         angle.press("Tab")
         expect(page.locator("#plan")).to_contain_text("DEM runs")
+        # What stays open is said once, by the estimate.
+        expect(page.locator("#plan .open-parameters")).not_to_have_count(0)
+        expect(page.locator("#plan .open-parameters").first).to_be_hidden()
         expect(page.locator("#file-text")).to_contain_text('measurements = ["31 deg"')
         assert violations(page) == []
         page.set_viewport_size(PHONE)

@@ -60,7 +60,7 @@ def test_a_heap_cannot_tell_two_frictions_apart_while_the_density_is_free() -> N
     [note] = expected(DENSITY, SLIDING, ROLLING).notes
     assert note.startswith(
         f"{SLIDING.name} and {ROLLING.name} can hardly be told apart by heap alone while "
-        f"{DENSITY.name} is free: about "
+        f"{DENSITY.name} is free: on average about "
     )
     for help_ in ("particle density (pycnometer)", "draw-down", "uniaxial compression"):
         assert help_ in note
@@ -177,7 +177,7 @@ def test_a_parameter_of_which_the_atlas_does_not_tell_does_not_count_as_known(
     assert "Even if it was known, " in untold
     assert messages.SHARE_KEPT.is_in(untold, name=SLIDING.name)
     assert f"To determine {parameter.name}: {remedy}" in untold
-    assert "while particle.density is free: at least 8" in frictions
+    assert "while particle.density is free: on average at least 8" in frictions
     # Nothing more is said of what would stay open where only its effect is not known.
     _, alone = expected(parameter, test=test).notes
     assert "Even if" not in alone

@@ -297,6 +297,7 @@
         continue;
       }
       at("estimate-state").textContent = "";
+      document.body.classList.toggle("estimated", !found.refused);
       at("estimate").replaceChildren(...(found.refused
         ? [element("p", { className: "quiet", textContent: `None yet: ${found.refused}` })]
         : parts(found.parts)));
@@ -312,9 +313,11 @@
       : parts(found.parts)));
     button.disabled = false;
   };
-  const list = (title, lines) => (lines.length
+  const list = (title, lines, kinds = []) => (lines.length
     ? [element("h3", { textContent: title }),
-      element("ul", {}, ...lines.map((line) => element("li", { textContent: line.trim() })))]
+      element("ul", {}, ...lines.map((line, number) => element("li", {
+        className: kinds[number] || "", textContent: line.trim(),
+      })))]
     : []);
   let planned = 0;
   const plan = async () => {
@@ -341,7 +344,7 @@
     at("plan").replaceChildren(
       ...main.map((line) => element("p", {}, element("strong", { textContent: line }))),
       ...list("In the way", found.problems),
-      ...list("Notes", found.notes),
+      ...list("Notes", found.notes.map((note) => note.text), found.notes.map((note) => note.check)),
       element("details", {}, element("summary", { textContent: "All that is planned" }),
         ...list("Plan", rest)),
       ...list("A start executes, with your rights", found.executes));

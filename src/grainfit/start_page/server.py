@@ -161,7 +161,7 @@ class StartServer(LocalServer):
         plan = self._interview().plan()
         return {
             "lines": list(plan.lines),
-            "notes": list(plan.notes),
+            "notes": [{"check": one.check, "text": one.text} for one in plan.findings],
             "executes": list(plan.executes),
             "problems": list(plan.problems),
         }
