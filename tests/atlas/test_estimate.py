@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -94,6 +95,20 @@ def test_an_estimate_says_that_nothing_was_simulated_and_what_stays_open() -> No
     assert messages.NOT_SIMULATED.is_in(text)
     assert messages.OPEN.is_in(text)
     assert messages.TO_VERIFY.is_in(text)
+
+
+def _of_little_friction(angle: float) -> gf.Estimate:
+    frictions = [replace(FRICTIONS[0], maximum=0.4), replace(FRICTIONS[1], maximum=0.1)]
+    return estimate_of(replace(_of_angle(angle), parameters=frictions), _heaps())
+
+
+def test_a_value_that_intervals_just_miss_is_named_with_the_end_that_keeps_it() -> None:
+    reached, missed = _of_little_friction(12.0), _of_little_friction(15.0)
+
+    assert not messages.BEYOND_BOUND.is_in(str(reached))
+    assert messages.BEYOND_BOUND.is_in(str(missed))
+    assert ROLLING in str(missed).partition("off by")[2]
+    assert missed.runs > reached.runs
 
 
 def _of_cylinder(height: float) -> tuple[float, gf.Estimate]:

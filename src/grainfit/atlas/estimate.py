@@ -31,6 +31,7 @@ from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.tables import Summary, TextTable
 from grainfit.verdict.options import VERDICT
+from grainfit.verdict.out_of_reach import bound_at
 
 _SHARES = (0.025, 0.5, 0.975)
 #: An interval that keeps this share of the given one leaves a parameter open.
@@ -96,7 +97,26 @@ class EstimatedResponse:
     def is_in_reach(self) -> bool:
         """Whether the measured value is met within the errors of both."""
         width = math.hypot(self.target.tolerance, _REACH * self.standard_error)
-        return abs(self.value - self.target.value) <= width
+        return self._off <= width
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the measured value is met within its tolerance."""
+        return self._off <= self.target.tolerance
+
+    @property
+    def runs_needed(self) -> int:
+        """Runs after which it is known whether the target is met.
+
+        Their mean has a 95 % interval within the tolerance, or is known to be at its edge.
+        """
+        tolerance = self.target.tolerance
+        room = max(tolerance - self._off, 2 * VERDICT.known_edge * tolerance)
+        return max(VERDICT.fresh_seeds, math.ceil((2 * self.scatter / room) ** 2))
+
+    @property
+    def _off(self) -> float:
+        return abs(self.value - self.target.value)
 
 
 @dataclass(frozen=True)
@@ -176,6 +196,12 @@ class Estimate(Summary, OneLine):
         best = min(self.further, key=lambda one: one.left[name], default=None)
         return best if best is not None and best.left[name] < _NARROWS else None
 
+    @property
+    def _on_bounds(self) -> list[str]:
+        """Names of the parameters whose most probable value is on an end of its interval."""
+        every = [one.parameter for one in self.parameters]
+        return [one.name for one in every if bound_at(one.to_unit(self.best[one.name]))]
+
     def _parameter_row(self, one: EstimatedParameter) -> tuple[str, ...]:
         unit = unit_for_people(one.parameter.unit)
         given = plain_ends(one.parameter.minimum, one.parameter.maximum)
@@ -190,6 +216,9 @@ class Estimate(Summary, OneLine):
         for one in self.responses:
             if not one.is_in_reach:
                 yield messages.OUT_OF_REACH(response=one.target.name)
+        off = [one.target.name for one in self.responses if one.is_in_reach and not one.is_met]
+        if off and (ends := self._on_bounds):
+            yield messages.BEYOND_BOUND(responses=in_a_row(off), names=in_a_row(ends))
         if still := [one.parameter.name for one in self.parameters if one.is_open]:
             yield messages.OPEN(names=", ".join(still))
         for name in still:
@@ -268,7 +297,7 @@ def estimate_of(
         )
     )
     best = {name: float(found[0]) for name, found in values_at(problem.parameters, top).items()}
-    runs = max(_runs_needed(one) for one in responses)
+    runs = max(one.runs_needed for one in responses)
     even = representatives(sample.points, weights, _REPRESENTATIVES, np.random.default_rng(seed))
     further = further_measurements(problem, solvers, even, atlas or shipped_atlas())
     return Estimate(
@@ -299,11 +328,6 @@ def _intervals(problem: Problem, points: Array, weights: Array) -> Iterator[Esti
         ends = [parameter.from_unit(share) for share in (low, high)]
         median = parameter.from_unit(float(middle))
         yield EstimatedParameter(parameter, ends[0], median, ends[1], high - low > _OPEN)
-
-
-def _runs_needed(one: EstimatedResponse) -> int:
-    """Return the runs whose mean has a 95 % interval within the tolerance."""
-    return max(VERDICT.fresh_seeds, math.ceil((2 * one.scatter / one.target.tolerance) ** 2))
 
 
 def _seconds(

@@ -30,6 +30,10 @@ NOT_SIMULATED = Message(
 ESTIMATED = Message("{name}: {value}, 95 % interval {interval}.")
 ERRORS = Message("± standard error of the atlas; of measured values, the tolerance")
 OUT_OF_REACH = Message("{response}: no parameters within the intervals give the measured value.")
+BEYOND_BOUND = Message(
+    "{responses}: off by more than the tolerance. Values of {names} beyond the ends of the "
+    "intervals would be nearer."
+)
 OPEN = Message("The targets leave open: {names}.")
 WOULD_NARROW = Message(
     "{response} of a {test} test, measured to {accuracy}, would narrow {name} to about {left:.0f} "

@@ -13,8 +13,8 @@ from grainfit.formatting import value_with_unit
 from grainfit.problem import Problem
 from grainfit.result import Result
 from grainfit.solvers.base import Solver
-from grainfit.strategies.answer import bound_at
 from grainfit.strategies.distinct_runs import distinct_runs
+from grainfit.verdict.out_of_reach import bound_at
 from grainfit.which_test.available import material_of
 from grainfit.which_test.determination import bound_reached
 

@@ -22,10 +22,7 @@ from grainfit.result import MetamodelQuality
 from grainfit.strategies import messages
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.verdict.options import VERDICT
-from grainfit.verdict.out_of_reach import Bound, OutOfReach
-
-#: A value nearer to a bound than this share of the interval counts as on it.
-_ON_BOUND = 0.01
+from grainfit.verdict.out_of_reach import OutOfReach
 
 
 @dataclass(frozen=True)
@@ -137,13 +134,6 @@ def _runs_by_worth(
     costs = costs or RunCosts(problem, ())
     seconds = {s.name: float(costs.seconds(s, point[None])[0]) for s in problem.scopes}
     return metamodels.runs_by_worth(point, confidence, seconds, VERDICT.most_planned)
-
-
-def bound_at(position: float) -> Bound | None:
-    """Return the bound that a position (0 to 1) in an interval lies on, or None."""
-    if _ON_BOUND <= position <= 1 - _ON_BOUND:
-        return None
-    return "min" if position < _ON_BOUND else "max"
 
 
 def metamodel_quality(

@@ -18,6 +18,15 @@ from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict import messages
 
 Bound = Literal["min", "max"]
+#: A value nearer to a bound than this share of the interval counts as on it.
+_ON_BOUND = 0.01
+
+
+def bound_at(position: float) -> Bound | None:
+    """Return the bound that a position (0 to 1) in an interval lies on, or None."""
+    if _ON_BOUND <= position <= 1 - _ON_BOUND:
+        return None
+    return "min" if position < _ON_BOUND else "max"
 
 
 @dataclass(frozen=True)
