@@ -1,8 +1,9 @@
 """How many runs a search says are to come, beside how many come.
 
 A problem of five parameters and three tests, eight responses that scatter by a tolerance each. At
-every run the forecast is asked twice: with and without the share of the runs so far that a search
-which takes longer than usual is expected to go on for. Verification is not a part of it.
+every run the forecast is asked twice: as it is, and without its two precautions. A search that
+takes longer than usual goes on for a share of the runs so far, and few runs do not measure scatter.
+Verification is not a part of it.
 
     python benchmarks/forecasts.py --kept forecasts.jsonl [--searches 10]
 """
@@ -29,7 +30,11 @@ PARAMETERS = 5
 TESTS = {"heap": 2, "draw_down": 3, "compression": 3}
 #: Changes of a response over an interval, in tolerances.
 SLOPES = (3.0, 12.0)
-SHARES = {"with": sequential._LONGER_THAN_USUAL, "without": 0.0}
+#: Share of the runs so far, and runs for each coefficient of a trend.
+PRECAUTIONS = {
+    "with": (sequential._LONGER_THAN_USUAL, sequential._RUNS_OF_COEFFICIENT),
+    "without": (0.0, 1),
+}
 #: Verification of three parameter sets, so that no ratio is one to nothing.
 AT_LEAST = 9
 
@@ -73,8 +78,8 @@ def record(seed: int) -> Record:
         search.tell(proposal, {n: v for n, v in told.items() if n.split(".")[0] in tests})
         asked += len(tests)
         expected = {}
-        for name, share in SHARES.items():
-            sequential._LONGER_THAN_USUAL = share
+        for name, (share, runs) in PRECAUTIONS.items():
+            sequential._LONGER_THAN_USUAL, sequential._RUNS_OF_COEFFICIENT = share, runs
             expected[name] = search.expected_left
         forecasts.append({"runs": asked, **expected})
     return {"seed": seed, "runs": asked, "forecasts": forecasts}
@@ -82,16 +87,16 @@ def record(seed: int) -> Record:
 
 def print_table(records: list[Record]) -> None:
     """Print the forecasts over the runs that came, by what part of the search had passed."""
-    print("| part of the runs done | forecasts | without the share | with it |")
+    print("| part of the runs done | forecasts | without precautions | with them |")
     print("|---|---|---|---|")
     for low, high in ((0.2, 0.4), (0.4, 0.6), (0.6, 0.8), (0.8, 1.0)):
-        ratios: dict[str, list[float]] = {name: [] for name in SHARES}
+        ratios: dict[str, list[float]] = {name: [] for name in PRECAUTIONS}
         for one in records:
             total = one["runs"]
             for asked in one["forecasts"]:
                 if low <= asked["runs"] / total < high:
                     left = total - asked["runs"] + AT_LEAST
-                    for name in SHARES:
+                    for name in PRECAUTIONS:
                         ratios[name].append((asked[name] + AT_LEAST) / left)
         both = (np.quantile(ratios[name], (0.1, 0.5, 0.9)) for name in ("without", "with"))
         shown = " | ".join("{1:.2f} ({0:.2f} to {2:.2f})".format(*one) for one in both)
