@@ -85,22 +85,25 @@ def record(seed: int) -> Record:
     return {"seed": seed, "runs": asked, "forecasts": forecasts}
 
 
+def ratios(records: list[Record], name: str, low: float, high: float) -> list[float]:
+    """Return forecasts over the runs that came, while some part of a search had passed."""
+    return [
+        (forecast[name] + AT_LEAST) / (one["runs"] - forecast["runs"] + AT_LEAST)
+        for one in records
+        for forecast in one["forecasts"]
+        if low <= forecast["runs"] / one["runs"] < high
+    ]
+
+
 def print_table(records: list[Record]) -> None:
-    """Print the forecasts over the runs that came, by what part of the search had passed."""
+    """Print median, 10 and 90 % of the ratios, by what part of the search had passed."""
     print("| part of the runs done | forecasts | without precautions | with them |")
     print("|---|---|---|---|")
     for low, high in ((0.2, 0.4), (0.4, 0.6), (0.6, 0.8), (0.8, 1.0)):
-        ratios: dict[str, list[float]] = {name: [] for name in PRECAUTIONS}
-        for one in records:
-            total = one["runs"]
-            for asked in one["forecasts"]:
-                if low <= asked["runs"] / total < high:
-                    left = total - asked["runs"] + AT_LEAST
-                    for name in PRECAUTIONS:
-                        ratios[name].append((asked[name] + AT_LEAST) / left)
-        both = (np.quantile(ratios[name], (0.1, 0.5, 0.9)) for name in ("without", "with"))
-        shown = " | ".join("{1:.2f} ({0:.2f} to {2:.2f})".format(*one) for one in both)
-        print(f"| {100 * low:.0f} to {100 * high:.0f} % | {len(ratios['with'])} | {shown} |")
+        without, having = (ratios(records, name, low, high) for name in ("without", "with"))
+        shares = [np.quantile(one, (0.1, 0.5, 0.9)) for one in (without, having)]
+        shown = " | ".join("{1:.2f} ({0:.2f} to {2:.2f})".format(*one) for one in shares)
+        print(f"| {100 * low:.0f} to {100 * high:.0f} % | {len(having)} | {shown} |")
 
 
 def main() -> None:
