@@ -177,7 +177,7 @@ def test_a_parameter_of_which_the_atlas_does_not_tell_does_not_count_as_known(
     assert "Even if it was known, " in untold
     assert messages.SHARE_KEPT.is_in(untold, name=SLIDING.name)
     assert f"To determine {parameter.name}: {remedy}" in untold
-    assert "while particle.density is free: on average at least 8" in frictions
+    assert "while particle.density is free: at least 8" in frictions
     # Nothing more is said of what would stay open where only its effect is not known.
     _, alone = expected(parameter, test=test).notes
     assert "Even if" not in alone

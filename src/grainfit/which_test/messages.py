@@ -35,12 +35,12 @@ OPEN_EVEN_SO = Message("Even if {they_were} known, {kept} would stay open.")
 SHARE_KEPT = Message("{share:.0f} % of the interval of {name}")
 NOT_DETERMINED = Message("{name} will not be determined by {tests}. To determine it: {how}")
 HARDLY_DETERMINED = Message(
-    "{name} will hardly be determined by {tests}{while_free}: on average {about} {share:.0f} % of "
-    "its interval stays open. To determine it: {how}"
+    "{name} will hardly be determined by {tests}{while_free}: {about} {share:.0f} % of its "
+    "interval stays open. To determine it: {how}"
 )
 HARDLY_TOLD_APART = Message(
-    "{names} can hardly be told apart by {tests} alone{while_free}: on average {about} {kept} "
-    "stays open. To tell them apart: {how}"
+    "{names} can hardly be told apart by {tests} alone{while_free}: {about} {kept} stays open. "
+    "To tell them apart: {how}"
 )
 MEASURE_AS_WELL = Message(
     "Measure {response} of {test} as well, to {accuracy}{tool}: by the atlas, {name} would "

@@ -113,7 +113,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     notes = (
         *(() if are_dry_spheres(solvers, material) else (messages.SLOPES_OF_DRY_SPHERES(),)),
         *([_note_on_untold(untold, widths, measured)] if untold else ()),
-        *_notes(estimate, tests, measured, about="at least" if untold else "about"),
+        *_notes(estimate, tests, measured, about="at least" if untold else "on average about"),
         *map(better_fixed, without_effect),
     )
     return ExpectedNarrowing(widths, notes, further)
