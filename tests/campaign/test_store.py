@@ -4,6 +4,8 @@ import os
 import re
 import shutil
 import sqlite3
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -318,3 +320,30 @@ def test_log_removed_while_the_store_is_in_use_is_told(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match=messages.STORE_REMOVED.pattern):
         store.save(RunRecord("b", "heap", "finished", RUN))
     store.close()
+
+
+_INTERRUPTED = """
+import sqlalchemy as sql
+from grainfit.campaign.store.store import RunStore
+
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+store = RunStore("sqlite:///runs.sqlite")
+sql.event.listen(store._engine, "reset", interrupt)
+try:
+    store.runs()
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_a_ctrl_c_while_a_connection_is_given_back_prints_no_traceback(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _INTERRUPTED],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert (done.stdout, done.stderr) == ("interrupted\n", "")

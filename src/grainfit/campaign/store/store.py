@@ -6,6 +6,7 @@ requested. Any later calibration that needs the same run therefore finds it.
 
 from __future__ import annotations
 
+import logging
 import sqlite3
 import sys
 import threading
@@ -42,6 +43,10 @@ from grainfit.extras import how_to_install
 
 if TYPE_CHECKING:
     from grainfit.campaign.store.postgresql import Connector
+
+# Faults of a connection reach the caller. Python would print them, too, with a traceback: such as
+# of a Ctrl-C that comes while one is given back.
+logging.getLogger("sqlalchemy.pool").addHandler(logging.NullHandler())
 
 STORE_NAME = "runs.sqlite"
 
