@@ -159,12 +159,17 @@ class Estimate(Summary, OneLine):
     points: Array
     weights: Array
 
+    @property
+    def out_of_reach(self) -> tuple[str, ...]:
+        """Names of the targets that no parameters within the intervals meet."""
+        return tuple(one.target.name for one in self.responses if not one.is_in_reach)
+
     def expected_intervals(self) -> dict[str, tuple[float, float]]:
         """Return intervals in which a search begins: those of the estimate, half as wide again.
 
         Empty where the atlas knows no parameters that give the measured values.
         """
-        if not all(one.is_in_reach for one in self.responses):
+        if self.out_of_reach:
             return {}
         return {one.parameter.name: one.expected_interval for one in self.parameters}
 
@@ -172,6 +177,8 @@ class Estimate(Summary, OneLine):
         """Return the tables and the sentences that `print` and a notebook show."""
         return (
             messages.NOT_SIMULATED(),
+            # Before the tables, which mean little then.
+            *(messages.OUT_OF_REACH(response=name) for name in self.out_of_reach),
             TextTable(
                 ("parameter", "most probable", "95 % interval", "given"),
                 tuple(self._parameter_row(one) for one in self.parameters),
@@ -213,9 +220,6 @@ class Estimate(Summary, OneLine):
         )
 
     def _sentences(self) -> Iterator[str]:
-        for one in self.responses:
-            if not one.is_in_reach:
-                yield messages.OUT_OF_REACH(response=one.target.name)
         off = [one.target.name for one in self.responses if one.is_in_reach and not one.is_met]
         if off and (ends := self._on_bounds):
             yield messages.BEYOND_BOUND(responses=in_a_row(off), names=in_a_row(ends))
@@ -238,8 +242,9 @@ class Estimate(Summary, OneLine):
             yield messages.UNTOLD(responses=names, why=why)
         for names, why in _by_reason(self.less_sure):
             yield f"{names}: {why}"
-        time = "" if self.seconds is None else f", {duration(self.seconds)} on one core"
-        yield messages.TO_VERIFY(runs=self.runs, time=time)
+        if not self.out_of_reach:
+            time = "" if self.seconds is None else f", {duration(self.seconds)} on one core"
+            yield messages.TO_VERIFY(runs=self.runs, time=time)
 
 
 def _response_row(one: EstimatedResponse) -> tuple[str, ...]:
