@@ -28,6 +28,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import numpy as np
 
 from grainfit.formatting import number
+from kept_runs import records_in
 
 COMMAND = "from grainfit.__main__ import main; main()"
 #: The same without the scatters that are known before the runs.
@@ -68,11 +69,6 @@ def calibrate(file: Path, seed: int, workers: int, *, knows_scatter: bool) -> Re
         "cpu": round(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, 2),
         "intervals": {n: (one["low"], one["high"]) for n, one in result["intervals"].items()},
     }
-
-
-def read(kept: Path) -> list[Record]:
-    """Read the calibrations that are kept."""
-    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 def print_table(records: Sequence[Record], truth: dict[str, float]) -> None:
@@ -123,14 +119,14 @@ def main() -> None:
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     knows = not given.unknown_scatter
-    known = {(r["seed"], r["workers"], r["knows_scatter"]) for r in read(given.kept)}
+    known = {(r["seed"], r["workers"], r["knows_scatter"]) for r in records_in(given.kept)}
     for seed in range(1, 1 if given.table else given.seeds + 1):
         if (seed, given.workers, knows) not in known:
             record = calibrate(given.file, seed, given.workers, knows_scatter=knows)
             with given.kept.open("a") as kept:
                 kept.write(json.dumps(record) + "\n")
             print(f"{seed} of {given.seeds}", file=sys.stderr)
-    print_table(read(given.kept), dict(given.truth))
+    print_table(records_in(given.kept), dict(given.truth))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 import grainfit
 from grainfit.strategies.sequential import search as sequential
 from grainfit.strategies.sequential.search import SequentialSearch
+from kept_runs import records_in
 
 PARAMETERS = 5
 #: Responses of each test.
@@ -32,7 +33,7 @@ TESTS = {"heap": 2, "draw_down": 3, "compression": 3}
 SLOPES = (3.0, 12.0)
 #: Share of the runs so far, and runs for each coefficient of a trend.
 PRECAUTIONS = {
-    "with": (sequential._LONGER_THAN_USUAL, sequential._RUNS_OF_COEFFICIENT),
+    "with": (sequential._LONGER_THAN_USUAL, sequential.RUNS_PER_COEFFICIENT),
     "without": (0.0, 1),
 }
 #: Verification of three parameter sets, so that no ratio is one to nothing.
@@ -79,7 +80,7 @@ def record(seed: int) -> Record:
         asked += len(tests)
         expected = {}
         for name, (share, runs) in PRECAUTIONS.items():
-            sequential._LONGER_THAN_USUAL, sequential._RUNS_OF_COEFFICIENT = share, runs
+            sequential._LONGER_THAN_USUAL, sequential.RUNS_PER_COEFFICIENT = share, runs
             expected[name] = search.expected_left
         forecasts.append({"runs": asked, **expected})
     return {"seed": seed, "runs": asked, "forecasts": forecasts}
@@ -112,8 +113,7 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, required=True)
     parser.add_argument("--searches", type=int, default=10)
     given = parser.parse_args()
-    lines = given.kept.read_text().splitlines() if given.kept.exists() else []
-    records = [json.loads(line) for line in lines]
+    records = records_in(given.kept)
     for seed in range(len(records), given.searches):
         records.append(record(seed))
         with given.kept.open("a") as kept:

@@ -30,7 +30,8 @@ from grainfit.formatting import short_names
 from grainfit.problem import Parameter, Problem
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import ROUGH_PLATE
-from random_materials import DIAMETER, Record, measured_values, read, target_of
+from kept_runs import records_in
+from random_materials import DIAMETER, Record, measured_values, target_of
 
 RUNS, SEEDS = 150, 6
 #: True values lie in this middle part of every interval.
@@ -140,7 +141,7 @@ def main() -> None:
     parser.add_argument("--materials", type=int, default=5)
     parser.add_argument("--workers", type=int, default=2, help="runs at a time")
     given = parser.parse_args()
-    known = {record["material"] for record in read(given.kept)}
+    known = {record["material"] for record in records_in(given.kept)}
     for number in range(1, given.materials + 1):
         if number in known:
             continue
@@ -149,7 +150,7 @@ def main() -> None:
         record = calibrate(number, folder, given.workers)
         with given.kept.open("a") as file:
             file.write(json.dumps(record) + "\n")
-    if records := read(given.kept):
+    if records := records_in(given.kept):
         print(table(records))
 
 

@@ -33,6 +33,7 @@ from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
+from kept_runs import records_in
 
 Array = NDArray[np.float64]
 RESPONSES = ("angle_of_repose", "bulk_density", "base_radius")
@@ -53,7 +54,7 @@ PARAMETERS = [
 
 def record(kept: Path, heaps: int) -> list[dict[str, object]]:
     """Simulate the heaps that are not kept yet."""
-    found = [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
+    found = records_in(kept)
     design = maximin_latin_hypercube(heaps, len(PARAMETERS), 1)
     with kept.open("a") as file:
         for seed in range(len(found) + 1, heaps + 1):

@@ -46,6 +46,7 @@ from grainfit.problem import Problem, Target
 from grainfit.result import Result
 from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
+from kept_runs import records_in
 
 Record = dict[str, Any]
 #: Without the option.
@@ -156,7 +157,7 @@ def measure(
     cases: Sequence[str], wanted: Sequence[str], calibrations: int, processes: int, kept: Path
 ) -> list[Record]:
     """Return the records of all calibrations; add new ones to the file as they end."""
-    records = _read(kept)
+    records = records_in(kept)
     known = {(record["case"], record["wanted"], record["seed"]) for record in records}
     jobs = [(c, w, s) for s in range(1, calibrations + 1) for c in cases for w in wanted]
     jobs = [job for job in jobs if job not in known]
@@ -174,10 +175,6 @@ def measure(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return [r for r in records if r["case"] in cases and r["wanted"] in wanted]
-
-
-def _read(kept: Path) -> list[Record]:
-    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 def table(records: Iterable[Mapping[str, Any]]) -> str:
@@ -228,7 +225,7 @@ def main() -> None:
     parser.add_argument("--table", action="store_true", help="only print what is known")
     options = parser.parse_args()
     if options.table:
-        print(table(_read(options.kept)))
+        print(table(records_in(options.kept)))
         return
     found = measure(
         options.cases, options.wanted, options.calibrations, options.processes, options.kept

@@ -53,9 +53,12 @@ def measure(runs: Sequence[Run], kept: Path, make: Callable[[Run], dict[str, Any
 
 def read(kept: Path, kind: type[Run]) -> dict[Run, dict[str, Any]]:
     """Read the records of all runs that are kept."""
-    lines = kept.read_text().splitlines() if kept.exists() else []
-    records = [json.loads(line) for line in lines]
-    return {kind(*(record[key] for key in kind._fields)): record for record in records}
+    return {kind(*(one[key] for key in kind._fields)): one for one in records_in(kept)}
+
+
+def records_in(kept: Path) -> list[dict[str, Any]]:
+    """Read all records; none before the first one is kept."""
+    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 def scatter(values: Sequence[float]) -> float:

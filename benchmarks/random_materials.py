@@ -44,6 +44,7 @@ from grainfit.formatting import percent, short_names
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.lammps.program import Lammps
+from kept_runs import records_in
 
 MEASURED_SEEDS = 8
 #: Standard uncertainty of a mass flow of zero, kg/s: 2 % of the usual one. An arch is seen, and a
@@ -257,7 +258,7 @@ def absolute_uncertainty(accuracy: float | str, value: float) -> float:
 
 def measure(studies: Mapping[str, Study], jobs: Sequence[Job], processes: int, kept: Path) -> None:
     """Make the calibrations that are not kept yet; keep each as it ends."""
-    known = {_job_of(record) for record in read(kept)}
+    known = {_job_of(record) for record in records_in(kept)}
     missing = [job for job in jobs if job not in known]
     start = time.monotonic()
     with ProcessPoolExecutor(processes) as pool, kept.open("a") as file:
@@ -281,11 +282,6 @@ def measure(studies: Mapping[str, Study], jobs: Sequence[Job], processes: int, k
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-
-
-def read(kept: Path) -> list[Record]:
-    """Return the records that are kept."""
-    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 def _job_of(record: Record) -> Job:
@@ -355,4 +351,4 @@ def run(studies: Mapping[str, Study], parser: argparse.ArgumentParser) -> None:
     jobs = [Job(name, number, given.wanted) for number in numbers for name in given.tests]
     if not given.table:
         measure(studies, jobs, given.processes, given.kept)
-    print("\n".join(table(studies, read(given.kept))))
+    print("\n".join(table(studies, records_in(given.kept))))

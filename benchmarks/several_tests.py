@@ -35,6 +35,7 @@ from grainfit.errors import GrainfitError
 from grainfit.evaluation import Response
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Solver, Workspace
+from kept_runs import records_in
 
 Array = NDArray[np.float64]
 Record = dict[str, Any]
@@ -274,7 +275,7 @@ class _Spent(Executor):
 
 def measure(names: Sequence[str], calibrations: int, processes: int, kept: Path) -> list[Record]:
     """Return the records of all calibrations; add new ones to the file as they end."""
-    records = [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
+    records = records_in(kept)
     known = {(r["problem"], r["seed"], r["together"]) for r in records}
     jobs = [
         (name, seed, together)

@@ -41,6 +41,7 @@ from grainfit.formatting import number
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_SPHERES, rough_plate_of
+from kept_runs import records_in
 
 #: The first one is the reference.
 SOLVERS = ("lammps", "liggghts")
@@ -90,7 +91,7 @@ def measure(
     solvers: Sequence[str] = SOLVERS,
 ) -> list[Record]:
     """Return the records of all runs; add new ones to the file as they end."""
-    records = _of(_read(kept), material, changes)
+    records = _of(records_in(kept), material, changes)
     known = {(r["test"], r["solver"], r["seed"]) for r in records}
     wanted = [(t, s, n) for n in range(1, seeds + 1) for t in tests for s in solvers]
     jobs = [job for job in wanted if job not in known]
@@ -110,10 +111,6 @@ def measure(
             raise
     wanted_now = set(wanted)
     return [r for r in records if (r["test"], r["solver"], r["seed"]) in wanted_now]
-
-
-def _read(kept: Path) -> list[Record]:
-    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 def _of(records: Iterable[Record], material: str, changes: Mapping[str, float]) -> list[Record]:
@@ -203,7 +200,7 @@ def main() -> None:
     options = parser.parse_args()
     changes = {name: float(value) for name, value in (item.split("=") for item in options.set)}
     if options.table:
-        known = _of(_read(options.kept), options.material, changes)
+        known = _of(records_in(options.kept), options.material, changes)
         print(table([r for r in known if r["solver"] in options.solvers], options.solvers))
         return
     print(

@@ -44,6 +44,7 @@ from grainfit.strategies.sequential.belief import Belief
 from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED
 from grainfit.strategies.sequential.next_run import NextRun
 from grainfit.strategies.sequential.strategy import Sequential
+from kept_runs import records_in
 from verdict_kinds import KINDS
 from verdict_problems import PROBLEMS, KnownProblem
 
@@ -162,7 +163,7 @@ def _first_in_a_row(right: Sequence[bool], design: int) -> int | None:
 
 def measure(jobs: Sequence[tuple[str, int, int, str]], processes: int, kept: Path) -> list[Record]:
     """Return the records of all searches; add new ones to the file as they end."""
-    records = read(kept)
+    records = records_in(kept)
     known = {(r["problem"], r["seed"], r["workers"], r["method"]) for r in records}
     left = [job for job in jobs if job not in known]
     with ProcessPoolExecutor(processes) as pool, kept.open("a") as file:
@@ -177,11 +178,6 @@ def measure(jobs: Sequence[tuple[str, int, int, str]], processes: int, kept: Pat
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return records
-
-
-def read(kept: Path) -> list[Record]:
-    """Read the searches that are kept."""
-    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 # What follows -------------------------------------------------------------------------------
@@ -258,7 +254,7 @@ def main() -> None:
         for method in arguments.methods
     ]
     if arguments.table:
-        records = read(arguments.kept)
+        records = records_in(arguments.kept)
     else:
         records = measure(jobs, arguments.processes, arguments.kept)
     for method in arguments.methods:

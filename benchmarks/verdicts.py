@@ -33,6 +33,7 @@ import grainfit
 from grainfit.calibration.progress import Progress
 from grainfit.errors import GrainfitError
 from grainfit.result import Result
+from kept_runs import records_in
 from verdict_kinds import (
     BEYOND_BUDGET,
     CLIFFS,
@@ -154,7 +155,7 @@ def measure(
     known_scatter: float = 0.0,
 ) -> list[Record]:
     """Return the records of all calibrations; add new ones to the file as they end."""
-    records = _read(kept)
+    records = records_in(kept)
     known = {(record["problem"], record["seed"]) for record in records}
     # Seed by seed, so that a study that is stopped has as many calibrations of every problem.
     jobs = [(n, s) for s in range(1, calibrations + 1) for n in names if (n, s) not in known]
@@ -172,10 +173,6 @@ def measure(
             raise
     wanted = set(names)
     return [r for r in records if r["problem"] in wanted and r["seed"] <= calibrations]
-
-
-def _read(kept: Path) -> list[Record]:
-    return [json.loads(line) for line in kept.read_text().splitlines()] if kept.exists() else []
 
 
 def _report(done: int, jobs: int, seconds: float) -> None:

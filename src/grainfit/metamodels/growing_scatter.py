@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grainfit.arrays import Array
+from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT
 
 #: With a larger p value of the rank correlations, times their number, the scatter is taken as the
 #: same everywhere.
@@ -68,7 +69,7 @@ def find_growing_scatter(points: Array, residuals: Array) -> GrowingScatter | No
     heteroscedasticity.
     """
     n, d = points.shape
-    if n < max(_FEWEST_RUNS, 2 * (d + 1)) or not _changes(points, residuals):
+    if n < max(_FEWEST_RUNS, RUNS_PER_COEFFICIENT * (d + 1)) or not _changes(points, residuals):
         return None
     # Loaded late: most scatters do not change.
     from scipy.optimize import minimize

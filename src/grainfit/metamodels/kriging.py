@@ -36,6 +36,7 @@ from grainfit.metamodels.hyperparameters import RANGE_MEDIAN, HyperparameterPost
 from grainfit.metamodels.noise_ratios import most_probable, noise_ratios
 from grainfit.metamodels.prediction import NORMAL_QUANTILE, LeaveOneOut, Prediction
 from grainfit.metamodels.predictor import (
+    RUNS_PER_COEFFICIENT,
     Component,
     Contrasts,
     Hyperparameters,
@@ -707,7 +708,7 @@ class Kriging(OneLine):
 
     def _warning_of_few_runs(self) -> str:
         d = self._components[0].effective_dimension
-        needed = 2 * (d + 1)
+        needed = RUNS_PER_COEFFICIENT * (d + 1)
         if self.n >= needed:
             return ""
         return messages.FEW_RUNS(runs=self.n, parameters=d, needed=needed)

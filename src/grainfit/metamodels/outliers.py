@@ -16,6 +16,7 @@ from scipy.spatial.distance import cdist
 
 from grainfit.arrays import Array
 from grainfit.metamodels.kriging import Kriging
+from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT
 from grainfit.metamodels.share_of_jams import ShareOfJams
 
 #: Probability that runs of normal scatter are found to have an outlier, once in a calibration of
@@ -30,8 +31,6 @@ _SUSPICIOUS = 2.0
 #: the limit of outliers.
 _ALL_TRIED = 60
 _WORTH_A_FIT = 0.8
-#: Fewest runs per coefficient of a linear trend with which a run can be told from the others.
-_RUNS_PER_COEFFICIENT = 2
 #: Distance in the unit cube of equal parameters.
 _SAME = 1e-9
 #: Distance per root of the dimension within which runs tell about the same place.
@@ -198,7 +197,7 @@ def _error_of_a_run(runs: int) -> float:
 
 
 def _most_outliers(runs: int, dimension: int) -> int:
-    spare = runs - _RUNS_PER_COEFFICIENT * (dimension + 1) - 1
+    spare = runs - RUNS_PER_COEFFICIENT * (dimension + 1) - 1
     return max(0, min(int(_LARGEST_SHARE * runs), spare))
 
 

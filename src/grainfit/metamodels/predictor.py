@@ -20,8 +20,10 @@ from grainfit.metamodels.relative_prior import RelativePrior
 _MATERN_SCALE = math.sqrt(10.0)
 #: Range of a parameter that a response does not depend on, in intervals.
 _NO_EFFECT = 1e9
-# A linear trend must leave as many degrees of freedom as it uses, and at least these. Otherwise the
-# trend is constant: with fewer runs, least-squares slopes predict worse than none.
+#: Fewest runs per coefficient of a linear trend: it must leave as many degrees of freedom as it
+#: uses, and at least those below. Otherwise the trend is constant: with fewer runs, least-squares
+#: slopes predict worse than none.
+RUNS_PER_COEFFICIENT = 2
 _FREE_CONTRASTS = 3
 #: Variances, over the largest, that are added one after the other until a covariance that rounding
 #: makes indefinite has a Cholesky factor.
@@ -74,7 +76,7 @@ class Trend:
     def choose(cls, points: Array, linear: bool) -> Trend:
         """Choose a linear trend if the runs determine its slopes, else a constant."""
         n, d = points.shape
-        if not linear or n < d + 1 + max(d + 1, _FREE_CONTRASTS):
+        if not linear or n < max(RUNS_PER_COEFFICIENT * (d + 1), d + 1 + _FREE_CONTRASTS):
             return cls(())
         centred = points - points.mean(axis=0)
         _, triangle, order = linalg.qr(centred, mode="economic", pivoting=True)

@@ -26,6 +26,7 @@ from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.formatting import in_a_row, number
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
+from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT
 from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem, Relative
 from grainfit.strategies import messages
@@ -65,9 +66,8 @@ _USUAL_TO_NARROW = 12
 #: (`benchmarks/forecasts.py`).
 _LONGER_THAN_USUAL = 0.2
 _MOST_WIDENINGS = 4
-#: Runs that the expected scatter counts as, beside the measured one, and runs for each coefficient
-#: of a trend that measure none: what so few do not show of a response, they take for scatter.
-_RUNS_OF_EXPECTED, _RUNS_OF_COEFFICIENT = 5, 2
+#: Runs that the expected scatter counts as, beside the measured one.
+_RUNS_OF_EXPECTED = 5
 #: Share of the parameter sets that agree at which runs fail, above which that is said.
 _MANY_FAILURES = 0.05
 
@@ -278,7 +278,8 @@ class SequentialSearch(Search):
         runs : int
             Their number.
         """
-        freedom = max(runs - _RUNS_OF_COEFFICIENT * (self.problem.dimension + 1), 0)
+        # Metamodels of fewer runs have a constant trend: they take slopes for scatter.
+        freedom = max(runs - RUNS_PER_COEFFICIENT * (self.problem.dimension + 1), 0)
         squares = _RUNS_OF_EXPECTED * self.expected_scatter**2 + freedom * measured**2
         return math.sqrt(squares / (_RUNS_OF_EXPECTED + freedom))
 
