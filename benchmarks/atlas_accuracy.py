@@ -3,9 +3,11 @@
 For every response the metamodels are fitted to the first rows of the design and predict the others;
 of the largest number, four random parts are left out in turn. Printed are the root mean square
 error, which contains the scatter of a single run, that scatter, Q2, and the share of rows inside
-the 95 % intervals for a single run.
+the 95 % intervals for a single run. ``--alone`` leaves out the rows of dry spheres, which are known
+of other particles as well.
 
-    python benchmarks/atlas_accuracy.py [--rows FOLDER] [--tests heap ...] [--counts 32 64 96]
+    python benchmarks/atlas_accuracy.py [--rows FOLDER] [--strata heap ...] [--counts 32 64 96]
+        [--alone]
 
 Prints a table in Markdown.
 """
@@ -18,9 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
-from grainfit.atlas.inputs import ranges_of
 from grainfit.atlas.row import Row, rows_in
-from grainfit.atlas.shelf import SHIPPED, Atlas
+from grainfit.atlas.shelf import SHIPPED, Atlas, rows_of
+from grainfit.atlas.strata import Stratum, strata
 from grainfit.atlas.surrogate import (
     FEWEST_ROWS,
     ResponseModel,
@@ -28,42 +30,45 @@ from grainfit.atlas.surrogate import (
     points_of,
     row_values,
 )
-from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import number
 
 _FOLDS = 4
 _FEWEST_LEFT_OUT = 8
 
 
-def table(folder: Path, tests: Sequence[str], counts: Sequence[int]) -> Iterator[str]:
+def table(
+    folder: Path, names: Sequence[str], counts: Sequence[int], *, is_alone: bool = False
+) -> Iterator[str]:
     """Yield the lines of the table."""
-    yield "| test | response | rows | RMSE | of a run | Q2 | inside 95 %, % |"
+    yield "| stratum | response | rows | RMSE | of a run | Q2 | inside 95 %, % |"
     yield "|---" * 7 + "|"
-    for name in tests:
-        kind, rows = bulk_tests()[name], rows_in(folder / f"{name}.jsonl")
-        every = Surrogate(kind, rows)
-        splits = {count: _splits(kind, rows, count) for count in counts if count < len(rows)}
-        splits[len(rows)] = _splits(kind, rows, len(rows))
+    for name in names:
+        stratum, rows = strata()[name], rows_in(rows_of(folder, name))
+        dry = [] if is_alone else rows_in(rows_of(folder, stratum.kind.type))
+        every = Surrogate(stratum, rows, dry)
+        wanted = [*(count for count in counts if count < len(rows)), len(rows)]
+        splits = {count: _splits(stratum, rows, dry, count) for count in wanted}
         for response, model in every.models.items():
-            scatter = model.scatter(points_of(rows, ranges_of(kind)))
+            scatter = model.scatter(points_of(rows, stratum.ranges))
             for count, parts in splits.items():
-                found = _errors(kind, response, parts, float(np.sqrt(np.mean(scatter**2))))
+                found = _errors(stratum, response, parts, float(np.sqrt(np.mean(scatter**2))))
                 if found is not None:
                     yield f"| {name} | {response} | {count} | {found} |"
 
 
 def _splits(
-    kind: type[BulkTest], rows: Sequence[Row], count: int
+    stratum: Stratum, rows: Sequence[Row], dry: Sequence[Row], count: int
 ) -> list[tuple[Surrogate, Sequence[Row]]]:
     """Return what so many rows tell, with the rows that were left out."""
     if count < len(rows):
-        return [(Surrogate(kind, rows[:count]), rows[count:])]
+        return [(Surrogate(stratum, rows[:count], dry), rows[count:])]
     # Every fourth point of a Sobol' sequence lies in the same part of the cube: no such folds.
     fold_of = np.random.default_rng(1).permutation(len(rows)) % _FOLDS
     return [
         (
-            Surrogate(kind, [row for row, own in zip(rows, fold_of, strict=True) if own != fold]),
+            Surrogate(
+                stratum, [row for row, own in zip(rows, fold_of, strict=True) if own != fold], dry
+            ),
             [row for row, own in zip(rows, fold_of, strict=True) if own == fold],
         )
         for fold in range(_FOLDS)
@@ -71,7 +76,7 @@ def _splits(
 
 
 def _errors(
-    kind: type[BulkTest],
+    stratum: Stratum,
     response: str,
     splits: Sequence[tuple[Surrogate, Sequence[Row]]],
     scatter: float,
@@ -83,8 +88,8 @@ def _errors(
         model = used.models.get(response)
         if model is None or len(others) < _FEWEST_LEFT_OUT:
             continue
-        found, _ = row_values(kind, response, others)
-        mean, deviation = _of_a_run(model, points_of(others, ranges_of(kind)))
+        found, _ = row_values(stratum.kind, response, others)
+        mean, deviation = _of_a_run(model, points_of(others, stratum.ranges))
         off.append(mean - found)
         expected.append(deviation)
         values.append(found)
@@ -106,11 +111,12 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rows", type=Path, default=SHIPPED)
-    parser.add_argument("--tests", nargs="+", default=list(Atlas().tests))
+    parser.add_argument("--strata", nargs="+", default=list(Atlas().strata))
     parser.add_argument("--counts", nargs="+", type=int, default=[32, 64, 96, 128])
+    parser.add_argument("--alone", action="store_true")
     given = parser.parse_args()
     assert min(given.counts) >= FEWEST_ROWS
-    print("\n".join(table(given.rows, given.tests, given.counts)))
+    print("\n".join(table(given.rows, given.strata, given.counts, is_alone=given.alone)))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ For every dimension that a laboratory chooses (a fill height, an outlet), metamo
 the rows in one half of its range, and predict those in the other, up to a whole range beyond, by
 `ResponseModel.predict_beyond`. Then the halves change places.
 
-    python benchmarks/atlas_beyond.py [--tests heap ...]
+    python benchmarks/atlas_beyond.py [--strata heap ...]
 
 Prints a table in Markdown: rows predicted, their root mean square error, the one stated, which has
 the scatter of a run in it, and the share within the 95 % intervals.
@@ -18,42 +18,41 @@ from collections.abc import Iterator
 import numpy as np
 
 from grainfit.arrays import Array
-from grainfit.atlas.inputs import ranges_of, varied_of
 from grainfit.atlas.shelf import Atlas
+from grainfit.atlas.strata import strata
 from grainfit.atlas.surrogate import FEWEST_ROWS, ResponseModel, points_of, row_values
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.formatting import number
 
 
-def table(atlas: Atlas, tests: list[str]) -> Iterator[str]:
+def table(atlas: Atlas, names: list[str]) -> Iterator[str]:
     """Yield the lines of the table."""
-    yield "| test | dimension | response | rows | RMSE | stated | inside 95 %, % |"
+    yield "| stratum | dimension | response | rows | RMSE | stated | inside 95 %, % |"
     yield "|---" * 7 + "|"
     inside: list[bool] = []
-    for test in tests:
-        varied = varied_of(bulk_tests()[test])
-        for option in [name for name in varied.factors if name not in varied.bounded]:
-            for response in atlas.require(test).models:
-                errors, stated = _errors(atlas, test, option, response)
+    for name in names:
+        varied = strata()[name].varied
+        for option in [one for one in varied.factors if one not in varied.bounded]:
+            for response in atlas.require(name).models:
+                errors, stated = _errors(atlas, name, option, response)
                 if len(errors) == 0:
                     continue
                 own = np.abs(errors) <= 1.96 * stated
                 inside += [*own]
                 yield (
-                    f"| {test} | {option} | {response} | {len(errors)} "
+                    f"| {name} | {option} | {response} | {len(errors)} "
                     f"| {number(float(np.sqrt(np.mean(errors**2))), 3)} "
                     f"| {number(float(np.sqrt(np.mean(stated**2))), 3)} | {100 * own.mean():.0f} |"
                 )
     yield f"\n{sum(inside)} of {len(inside)} ({100 * np.mean(inside):.1f} %) inside."
 
 
-def _errors(atlas: Atlas, test: str, option: str, response: str) -> tuple[Array, Array]:
+def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array, Array]:
     """Return errors of the rows of either half by the other, and their standard deviations."""
-    kind, surrogate = bulk_tests()[test], atlas.require(test)
+    stratum, surrogate = strata()[name], atlas.require(name)
     rows = [row for row in surrogate.rows if response in row.responses]
-    ranges = ranges_of(kind)
+    ranges = stratum.ranges
     points, column = points_of(rows, ranges), list(ranges).index(option)
-    values, _ = row_values(kind, response, rows)
+    values, _ = row_values(stratum.kind, response, rows)
     whole = surrogate.models[response]
     errors, stated = [], []
     for is_lower in (True, False):
@@ -64,7 +63,7 @@ def _errors(atlas: Atlas, test: str, option: str, response: str) -> tuple[Array,
         if known.sum() < FEWEST_ROWS or known.all():
             continue
         of_half = [row for row, is_known in zip(rows, known, strict=True) if is_known]
-        model = ResponseModel.fit(kind, response, at[known], of_half, whole.chance)
+        model = ResponseModel.fit(stratum.kind, response, at[known], of_half, whole.chance)
         mean, variance = model.predict_beyond(at[~known], [column])
         errors.append(values[~known] - mean)
         stated.append(np.hypot(np.sqrt(variance), whole.scatter(points[~known])))
@@ -75,8 +74,8 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     atlas = Atlas()
-    parser.add_argument("--tests", nargs="+", choices=atlas.tests, default=list(atlas.tests))
-    print("\n".join(table(atlas, parser.parse_args().tests)))
+    parser.add_argument("--strata", nargs="+", choices=atlas.strata, default=list(atlas.strata))
+    print("\n".join(table(atlas, parser.parse_args().strata)))
 
 
 if __name__ == "__main__":

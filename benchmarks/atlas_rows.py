@@ -22,13 +22,10 @@ from scipy.stats import qmc
 from grainfit.arrays import Array
 from grainfit.atlas.differences import FEWEST_PAIRS, REFERENCE, Difference, difference
 from grainfit.atlas.expectation import relative_scatter
-from grainfit.atlas.inputs import ROW_SCALE, apparatus, ranges_of, simulated
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, hash_of, models_of, revision_of, rows_of
+from grainfit.atlas.strata import ROW_SCALE, Stratum, strata
 from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate, points_of
-from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.varied_options import InAtlas
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import scalars
 from grainfit.files import write_atomically
@@ -47,17 +44,17 @@ _DIGITS = 6
 _ZERO = (0.0, 0.0)
 
 
-def point(kind: type[BulkTest], number: int) -> dict[str, float]:
+def point(stratum: Stratum, number: int) -> dict[str, float]:
     """Return the inputs of a row: a point of a scrambled Sobol' sequence, which never ends.
 
     Parameters
     ----------
-    kind : type
-        Class of the test.
+    stratum : Stratum
+        Test and particles.
     number : int
         Of the row, from 0 on.
     """
-    ranges = ranges_of(kind)
+    ranges = stratum.ranges
     sequence = qmc.Sobol(len(ranges), seed=_SCRAMBLING)
     if number:
         sequence.fast_forward(number)
@@ -66,15 +63,15 @@ def point(kind: type[BulkTest], number: int) -> dict[str, float]:
     return {name: _rounded(span.at(share), _DIGITS) for (name, span), share in pairs}
 
 
-def made(kind: type[BulkTest], number: int, solver_name: str = REFERENCE) -> Row:
-    """Simulate a row of the atlas."""
-    inputs, seed = point(kind, number), number + 1
+def made(stratum: Stratum, number: int, solver_name: str = REFERENCE) -> Row:
+    """Simulate a row of a stratum."""
+    inputs, seed = point(stratum, number), number + 1
     try:
-        test, material = simulated(kind, inputs)
+        test, material = stratum.simulated(inputs)
         solver = DEM_PROGRAMS[solver_name](test, material)
     except GrainfitError as error:
         return Row(number, seed, inputs, "", {}, str(error), 0.0, "")
-    row = partial(Row, number, seed, inputs, identity_of_row(kind, inputs))
+    row = partial(Row, number, seed, inputs, identity_of_row(stratum, inputs))
     before = os.times().children_user
     found, why = {}, ""
     with tempfile.TemporaryDirectory() as folder:
@@ -83,7 +80,7 @@ def made(kind: type[BulkTest], number: int, solver_name: str = REFERENCE) -> Row
         except GrainfitError as error:
             why = str(error)
     seconds = os.times().children_user - before
-    units = {name: ROW_SCALE.of(info.unit) for name, info in kind.responses.items()}
+    units = {name: ROW_SCALE.of(info.unit) for name, info in stratum.kind.responses.items()}
     responses = {
         name: (
             _rounded(one.value / units[name], _DIGITS),
@@ -95,14 +92,14 @@ def made(kind: type[BulkTest], number: int, solver_name: str = REFERENCE) -> Row
 
 
 def grow(
-    kind: type[BulkTest], path: Path, count: int, processes: int = 1, solver: str = REFERENCE
+    stratum: Stratum, path: Path, count: int, processes: int = 1, solver: str = REFERENCE
 ) -> Iterator[Row]:
-    """Make the rows of a test that are missing, and yield each when it is kept.
+    """Make the rows of a stratum that are missing, and yield each when it is kept.
 
     Parameters
     ----------
-    kind : type
-        Class of the test.
+    stratum : Stratum
+        Test and particles.
     path : Path
         File of its rows, which are added at its end.
     count : int
@@ -112,12 +109,12 @@ def grow(
     solver : str
         That simulates them.
     """
-    known = {row.number for row in rows_in(path) if is_of_today(kind, row)}
+    known = {row.number for row in rows_in(path) if is_of_today(stratum, row)}
     missing = [number for number in range(count) if number not in known]
     with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
         # A line that was cut off must not swallow the next one.
         file.write("\n" if file.tell() else "")
-        waiting = [pool.submit(made, kind, number, solver) for number in missing]
+        waiting = [pool.submit(made, stratum, number, solver) for number in missing]
         try:
             for done in as_completed(waiting):
                 row = done.result()
@@ -129,15 +126,15 @@ def grow(
             pool.shutdown(cancel_futures=True)
 
 
-def identity_of_row(kind: type[BulkTest], inputs: Mapping[str, float]) -> str:
+def identity_of_row(stratum: Stratum, inputs: Mapping[str, float]) -> str:
     """Return a short hash of the test of a row, but for its time step, with all its options."""
-    return identity_of(apparatus(kind, inputs, ROW_SCALE).definition())[:_HASH]
+    return identity_of(stratum.apparatus(inputs, ROW_SCALE).definition())[:_HASH]
 
 
-def is_of_today(kind: type[BulkTest], row: Row) -> bool:
+def is_of_today(stratum: Stratum, row: Row) -> bool:
     """Return whether a row was simulated in the apparatus that its inputs mean today."""
     try:
-        return row.test == identity_of_row(kind, row.inputs)
+        return row.test == identity_of_row(stratum, row.inputs)
     except InputError:
         return not row.test
 
@@ -171,7 +168,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def publish(source: Path, folder: Path) -> Iterator[str]:
-    """Fit the metamodels to the rows of a folder and write both into another, and yield the tests.
+    """Fit the metamodels to the rows of a folder and write both into another, and yield the strata.
 
     Rows of an apparatus that their inputs do not mean any more are left out, and those of a program
     that is not admitted.
@@ -179,15 +176,15 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
     Parameters
     ----------
     source : Path
-        Has a file ``NAME.jsonl`` of rows for every test.
+        Has a file ``NAME.jsonl`` of rows for every stratum.
     folder : Path
         Where the atlas is written.
     """
     contents: dict[str, Any] = {}
     # A point that is no possible test was simulated by none.
     admitted = {*admitted_programs(), ""}
-    for name, kind in bulk_tests().items():
-        rows = [row for row in rows_in(rows_of(source, name)) if is_of_today(kind, row)]
+    for name, stratum in strata().items():
+        rows = [row for row in rows_in(rows_of(source, name)) if is_of_today(stratum, row)]
         for program, count in Counter(row.program for row in rows).items():
             if program not in admitted:
                 yield (
@@ -195,57 +192,59 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
                     "benchmarks/atlas_sentinels.py with it."
                 )
         rows = [row for row in rows if row.program in admitted]
-        if not isinstance(kind, InAtlas) or len(rows) < FEWEST_ROWS:
+        if len(rows) < FEWEST_ROWS or stratum.kind.type not in {name, *contents}:
             continue
-        surrogate = Surrogate(kind, rows)
+        dry = rows_of(folder, stratum.kind.type)
+        surrogate = Surrogate(stratum, rows, rows_in(dry))
         text = "".join(f"{row.to_text()}\n" for row in rows)
         write_atomically(rows_of(folder, name), text)
         write_atomically(
             models_of(folder, name), json.dumps(surrogate.to_plain(), separators=(",", ":"))
         )
         contents[name] = {
-            "revision": revision_of(kind),
+            "revision": revision_of(stratum.kind),
             "rows": hash_of(rows_of(folder, name)),
             "models": hash_of(models_of(folder, name)),
+            "dry": hash_of(dry),
             "count": len(rows),
-            "solvers": _differences(kind, surrogate, source, folder),
+            "solvers": _differences(stratum, surrogate, source, folder),
         }
         yield f"{name}: {len(rows)} rows, {len(surrogate.models)} responses"
-    found = {"licence": "CC0-1.0", "tests": contents}
+    found = {"licence": "CC0-1.0", "strata": contents}
     write_atomically(folder / CONTENTS, json.dumps(found, indent=1) + "\n")
 
 
 def _differences(
-    kind: type[BulkTest], surrogate: Surrogate, source: Path, folder: Path
+    stratum: Stratum, surrogate: Surrogate, source: Path, folder: Path
 ) -> dict[str, dict[str, tuple[float, float]]]:
     """Return how far other solvers are from LAMMPS, and write their rows into the folder."""
     found = {}
     for solver in DEM_PROGRAMS:
-        path = rows_of(source, kind.type, solver)
+        path = rows_of(source, stratum.name, solver)
         if solver != REFERENCE and path.exists():
-            own = [row for row in rows_in(path) if is_of_today(kind, row)]
-            found[solver] = dict(differences_of(kind, surrogate, own))
+            own = [row for row in rows_in(path) if is_of_today(stratum, row)]
+            found[solver] = dict(differences_of(stratum, surrogate, own))
             text = "".join(f"{row.to_text()}\n" for row in own)
-            write_atomically(rows_of(folder, kind.type, solver), text)
+            write_atomically(rows_of(folder, stratum.name, solver), text)
     return found
 
 
 def differences_of(
-    kind: type[BulkTest], surrogate: Surrogate, rows: Sequence[Row]
+    stratum: Stratum, surrogate: Surrogate, rows: Sequence[Row]
 ) -> Iterator[tuple[str, Difference]]:
     """Yield how far rows of another solver are from those of the same numbers, by response.
 
     Parameters
     ----------
-    kind : type
-        Class of the test.
+    stratum : Stratum
+        Test and particles.
     surrogate : Surrogate
         Has the rows of LAMMPS.
     rows : sequence of Row
         Of the other solver.
     """
     for name in surrogate.models:
-        pairs = pairs_of(kind, surrogate, rows, name)
+        pairs = pairs_of(stratum, surrogate, rows, name)
         if len(pairs.own) >= FEWEST_PAIRS:
             told = difference(*pairs)
             yield name, Difference(_rounded(told.mean, 3), _rounded(told.spread, 3))
@@ -259,7 +258,7 @@ class Pairs(NamedTuple):
     scatter: Array
 
 
-def pairs_of(kind: type[BulkTest], surrogate: Surrogate, rows: Sequence[Row], name: str) -> Pairs:
+def pairs_of(stratum: Stratum, surrogate: Surrogate, rows: Sequence[Row], name: str) -> Pairs:
     """Return a response in rows of another solver and in those of LAMMPS at the same inputs.
 
     The scatter is that of a run over its response. A response that is zero, as the flow out of an
@@ -273,11 +272,11 @@ def pairs_of(kind: type[BulkTest], surrogate: Surrogate, rows: Sequence[Row], na
         and row.inputs == known[row.number].inputs
         and row.responses.get(name, _ZERO)[0]
     ]
-    info, model = kind.responses[name], surrogate.models[name]
+    info, model = stratum.kind.responses[name], surrogate.models[name]
     return Pairs(
         np.array([row.responses[name][0] for row in own]),
         np.array([known[row.number].responses[name][0] for row in own]),
-        relative_scatter(info, model, points_of(own, ranges_of(kind))) if own else np.empty(0),
+        relative_scatter(info, model, points_of(own, stratum.ranges)) if own else np.empty(0),
     )
 
 

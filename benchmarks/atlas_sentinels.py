@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from atlas_rows import made, record
 from grainfit.atlas.row import Row
 from grainfit.atlas.shelf import Atlas
-from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.atlas.strata import strata
 from grainfit.solvers.dem.lammps.program import Lammps
 from kept_runs import measure, read
 from sentinels import compare, sentinels
@@ -30,18 +30,18 @@ class Sentinel(NamedTuple):
     """One row that is made again."""
 
     program: str
-    test: str
+    stratum: str
     number: int
 
 
 def _installed(atlas: Atlas) -> str:
-    kind = bulk_tests()[atlas.tests[0]]
+    kind = strata()[atlas.strata[0]].kind
     solver = Lammps(kind(diameter=0.01), {})
     return f"{solver.title} {solver.version()}"
 
 
 def _made(one: Sentinel) -> dict[str, Any]:
-    return {"row": made(bulk_tests()[one.test], one.number).to_text()}
+    return {"row": made(strata()[one.stratum], one.number).to_text()}
 
 
 def main() -> None:
@@ -53,10 +53,10 @@ def main() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     atlas = Atlas()
     program = _installed(atlas)
-    wanted = [Sentinel(program, test, row.number) for test, row in sentinels(atlas)]
+    wanted = [Sentinel(program, name, row.number) for name, row in sentinels(atlas)]
     measure(wanted, given.kept, _made)
     kept = read(given.kept, Sentinel)
-    found = compare(atlas, [(one.test, Row.from_text(kept[one]["row"])) for one in wanted])
+    found = compare(atlas, [(one.stratum, Row.from_text(kept[one]["row"])) for one in wanted])
     print(f"{program}: {found.runs} rows, {len(found.deviations)} responses")
     for name, shift in found.shifts.items():
         print(f"{name}: mean deviation {shift:+.2f} standard errors")

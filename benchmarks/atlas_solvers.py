@@ -18,20 +18,20 @@ from atlas_rows import Pairs, pairs_of
 from grainfit.atlas.differences import FEWEST_PAIRS, REFERENCE, difference, relative_differences
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas, rows_of
-from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.atlas.strata import strata
 from grainfit.solvers.registry import DEM_PROGRAMS
 
 
 def table(atlas: Atlas, solver: str) -> Iterator[str]:
     """Yield the lines of the table of a solver."""
-    yield "| test | response | rows | difference, % | spread, % | rows within 95 % |"
+    yield "| stratum | response | rows | difference, % | spread, % | rows within 95 % |"
     yield "|---" * 6 + "|"
     inside = of_all = 0
-    for name in atlas.tests:
-        surrogate, kind = atlas.require(name), bulk_tests()[name]
+    for name in atlas.strata:
+        surrogate, stratum = atlas.require(name), strata()[name]
         rows = rows_in(rows_of(SHIPPED, name, solver))
         for response in surrogate.models:
-            pairs = pairs_of(kind, surrogate, rows, response)
+            pairs = pairs_of(stratum, surrogate, rows, response)
             if (count := len(pairs.own)) < FEWEST_PAIRS:
                 continue
             found = _inside(pairs)
@@ -66,7 +66,7 @@ def main() -> None:
     """Print the table of every solver that made rows."""
     atlas = Atlas()
     for solver in DEM_PROGRAMS:
-        if solver != REFERENCE and any(rows_of(SHIPPED, n, solver).exists() for n in atlas.tests):
+        if solver != REFERENCE and any(rows_of(SHIPPED, n, solver).exists() for n in atlas.strata):
             print("\n".join(table(atlas, solver)))
 
 

@@ -24,12 +24,11 @@ import numpy as np
 
 from atlas_estimates import atlas_of
 from grainfit.atlas.estimate import estimate_of
-from grainfit.atlas.inputs import MATERIAL, simulated
 from grainfit.atlas.reading import Reading
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED, Surrogate
+from grainfit.atlas.strata import strata
 from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.calibration.calibrate import calibrate
 from grainfit.errors import InputError
 from grainfit.problem import Parameter, Problem, Target
@@ -55,12 +54,12 @@ class Trial:
     """The truth, the atlas of half of the rows, and the materials."""
 
     def __init__(self, folder: Path) -> None:
-        self.kind = bulk_tests()["heap"]
+        self.stratum = strata()["heap"]
         rows = rows_in(SHIPPED / "heap.jsonl")
-        self.truth = Surrogate(self.kind, rows)
+        self.truth = Surrogate(self.stratum, rows)
         halves = np.random.default_rng(5).permutation(len(rows)) % 2
         self.atlas = atlas_of(
-            self.kind, [r for r, h in zip(rows, halves, strict=True) if h], folder
+            self.stratum, [r for r, h in zip(rows, halves, strict=True) if h], folder
         )
         self.materials = [
             row
@@ -71,7 +70,8 @@ class Trial:
     def record_of(self, run: Run) -> dict[str, Any]:
         """Calibrate once."""
         row = self.materials[run.material]
-        test, material = simulated(self.kind, row.inputs)
+        test, material = self.stratum.simulated(row.inputs)
+        ranges = self.stratum.ranges
         fixed = {name: one for name, one in material.items() if name not in _FREE}
         solver = Lammps(test, fixed)
         reading = Reading(solver, material)
@@ -97,10 +97,7 @@ class Trial:
         targets = [Target(n, true[n][0], uncertainty=tolerances[n]) for n in RESPONSES]
         problem = Problem(
             [
-                *(
-                    Parameter(n, MATERIAL[n].low, MATERIAL[n].high, "log")
-                    for n in (SLIDING, ROLLING)
-                ),
+                *(Parameter(n, ranges[n].low, ranges[n].high, "log") for n in (SLIDING, ROLLING)),
                 Parameter(DENSITY, 0.8 * material[DENSITY], 1.2 * material[DENSITY]),
             ],
             targets,

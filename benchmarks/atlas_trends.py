@@ -40,7 +40,7 @@ def table(kept: Path) -> Iterator[str]:
             groups[run._replace(seed=0)].append(record["responses"])
     atlas = Atlas()
     for run, found in sorted(groups.items()):
-        surrogate = atlas.of_test(run.test)
+        surrogate = atlas.of_stratum(run.test)
         if surrogate is None:
             continue
         test, material = larger(run.test, run.times), material_of(run.test, run.modulus)

@@ -1,10 +1,10 @@
-"""Grow the atlas: simulate the rows of its design that are missing, a test after the other.
+"""Grow the atlas: simulate the rows of its design that are missing, a stratum after the other.
 
-Finished rows are kept in the folder ``--kept``, one file of JSON lines a test, so that the command
-can be stopped and started again, with more rows as well.
+Finished rows are kept in the folder ``--kept``, one file of JSON lines a stratum, so that the
+command can be stopped and started again, with more rows as well.
 
-    python benchmarks/grow_atlas.py --kept FOLDER [--tests heap ...] [--rows 128] [--processes 1]
-        [--solver lammps]
+    python benchmarks/grow_atlas.py --kept FOLDER [--strata heap heap-clumps ...] [--rows 128]
+        [--processes 1] [--solver lammps]
     python benchmarks/grow_atlas.py --kept FOLDER --publish src/grainfit/atlas/rows
 
 The second fits the metamodels to the rows of LAMMPS that are kept, and the differences of other
@@ -20,18 +20,15 @@ from pathlib import Path
 from atlas_rows import grow, publish
 from grainfit.atlas.differences import REFERENCE
 from grainfit.atlas.shelf import rows_of
-from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.varied_options import InAtlas
+from grainfit.atlas.strata import strata
 from grainfit.solvers.registry import DEM_PROGRAMS
-
-IN_ATLAS = {name: kind for name, kind in bulk_tests().items() if isinstance(kind, InAtlas)}
 
 
 def main() -> None:
     """Make the rows that are missing."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kept", type=Path, required=True)
-    parser.add_argument("--tests", nargs="+", default=list(IN_ATLAS), choices=list(IN_ATLAS))
+    parser.add_argument("--strata", nargs="+", default=list(strata()), choices=list(strata()))
     parser.add_argument("--rows", type=int, default=128)
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--solver", default=REFERENCE, choices=list(DEM_PROGRAMS))
@@ -42,9 +39,9 @@ def main() -> None:
         return
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     given.kept.mkdir(parents=True, exist_ok=True)
-    for name in given.tests:
+    for name in given.strata:
         path = rows_of(given.kept, name, given.solver)
-        for row in grow(IN_ATLAS[name], path, given.rows, given.processes, given.solver):
+        for row in grow(strata()[name], path, given.rows, given.processes, given.solver):
             print(f"{name} {row.number}: {row.seconds} CPU s {row.why[:80]}", flush=True)
 
 

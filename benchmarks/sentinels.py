@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import norm
 
-from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row
 from grainfit.atlas.shelf import Atlas
+from grainfit.atlas.strata import SIZE, strata
 from grainfit.atlas.surrogate import points_of
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.size import size_power
 
 #: Number of sentinels, and the chance that a release that changes nothing is refused.
@@ -96,10 +95,10 @@ def _limit(count: int) -> float:
 
 
 def sentinels(atlas: Atlas) -> list[tuple[str, Row]]:
-    """Return the rows that a release makes again: the cheapest whole ones of every test in turn."""
+    """Return the rows that a release makes again: the cheapest whole ones of all strata in turn."""
     cheapest = []
-    for name in sorted(atlas.tests):
-        surrogate = atlas.of_test(name)
+    for name in sorted(atlas.strata):
+        surrogate = atlas.of_stratum(name)
         rows = [row for row in surrogate.rows if not row.why] if surrogate else []
         cheapest.append([(name, row) for row in sorted(rows, key=lambda r: (r.seconds, r.number))])
     in_turn = chain.from_iterable(zip_longest(*cheapest))
@@ -117,27 +116,27 @@ def compare(atlas: Atlas, again: Sequence[tuple[str, Row]]) -> Comparison:
     atlas : Atlas
         The atlas.
     again : sequence of (str, Row)
-        Name of the test, and the row made again; at least one.
+        Name of the stratum, and the row made again; at least one.
     """
     deviations: dict[str, float] = {}
     missing = []
-    for test, row in again:
-        kind, surrogate = bulk_tests()[test], atlas.of_test(test)
+    for name, row in again:
+        stratum, surrogate = strata()[name], atlas.of_stratum(name)
         if surrogate is None:
             continue
         [known] = [one for one in surrogate.rows if one.number == row.number]
-        at = points_of([known], ranges_of(kind))
+        at = points_of([known], stratum.ranges)
         for response, model in surrogate.models.items():
             if response not in known.responses:
                 continue
-            name = f"{test} {row.number} {response}"
+            key = f"{name} {row.number} {response}"
             if response not in row.responses:
-                missing.append(name)
+                missing.append(key)
                 continue
-            power = size_power(kind, response) or 0.0
+            power = size_power(stratum.kind, response) or 0.0
             scatter = float(model.scatter(at)[0]) * known.inputs[SIZE] ** power
             values = np.array([row.responses[response], known.responses[response]])
             error = max(math.sqrt(2) * scatter, math.hypot(*values[:, 1]))
-            deviations[name] = float(values[0, 0] - values[1, 0]) / error
+            deviations[key] = float(values[0, 0] - values[1, 0]) / error
     [program] = {row.program for _, row in again}
     return Comparison(program, len(again), deviations, tuple(missing))

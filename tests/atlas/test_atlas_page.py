@@ -9,10 +9,9 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks import chromium
-from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.shelf import Atlas
+from grainfit.atlas.strata import SIZE, strata
 from grainfit.atlas_page.page import atlas_page
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.cli.app import app
 from tests.needs import CHROMIUM
 
@@ -48,10 +47,13 @@ def test_the_page_shows_what_the_package_predicts(tmp_path: Path) -> None:
         page.wait_for_timeout(500)
         shown = page.locator("#atlas-charts h2").all_inner_texts()
         values = page.locator("#atlas-sliders output").all_inner_texts()
+        for index, name in enumerate(page.locator("#atlas-test option").all_inner_texts()):
+            page.select_option("#atlas-test", str(index))
+            assert page.locator("#atlas-charts h2").count() >= 1, name
     assert faults == []
-    surrogate = Atlas().of_test("heap")
+    surrogate = Atlas().of_stratum("heap")
     assert surrogate is not None
-    spans = list(ranges_of(bulk_tests()["heap"]).items())
+    spans = list(strata()["heap"].ranges.items())
     # The usual apparatus, and the middle of all else.
     usual = [n == SIZE or (s.low < 1 < s.high and "." not in n) for n, s in spans]
     shares = [float(s.share(1.0)) if one else 0.5 for (_, s), one in zip(spans, usual, strict=True)]

@@ -13,15 +13,17 @@ from typer.testing import CliRunner
 import grainfit as gf
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
-from grainfit.atlas.inputs import simulated
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED
-from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.atlas.strata import strata
 from grainfit.cli.app import app
+from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 from grainfit.work_folder.estimate import estimate_of_heap
 
 SLIDING, ROLLING = "particle_particle.sliding_friction", "particle_particle.rolling_friction"
+#: Rows of a stratum whose material is estimated.
+_ESTIMATES = 8
 FRICTIONS = [gf.Parameter(SLIDING, 0.1, 1.0), gf.Parameter(ROLLING, 0.02, 1.0)]
 MATERIAL = {
     **ROUGH_SPHERES,
@@ -43,6 +45,11 @@ def _of_angle(angle: float, uncertainty: float = 1.0) -> gf.Problem:
     return gf.Problem(FRICTIONS, [gf.Target("angle_of_repose", angle, uncertainty=uncertainty)])
 
 
+def _about(name: str, value: float) -> tuple[float, float]:
+    """Return an interval about a value; an aspect ratio has ends."""
+    return (1.1, 2.0) if name == ASPECT_RATIO else (value / 2, 2 * value)
+
+
 class OwnModel(gf.Solver):
     """A model of the user."""
 
@@ -61,25 +68,36 @@ class OwnModel(gf.Solver):
         return {}
 
 
-def test_the_intervals_of_an_estimate_hold_the_material_of_a_row() -> None:
+@pytest.mark.parametrize(
+    ("stratum", "free"),
+    [
+        ("heap", (SLIDING, ROLLING)),
+        ("heap-cohesive", (SLIDING, "particle_particle.surface_energy")),
+        ("heap-clumps", (SLIDING, ASPECT_RATIO)),
+    ],
+)
+def test_the_intervals_of_an_estimate_hold_the_material_of_a_row(
+    stratum: str, free: tuple[str, ...]
+) -> None:
     # What a row gave is not known better than its scatter.
-    rows = [r for r in rows_in(SHIPPED / "heap.jsonl") if "angle_of_repose" in r.responses][:8]
+    rows = [r for r in rows_in(SHIPPED / f"{stratum}.jsonl") if "angle_of_repose" in r.responses]
     inside = 0
-    for row in rows:
-        test, material = simulated(bulk_tests()["heap"], row.inputs)
+    for row in rows[:_ESTIMATES]:
+        test, material = strata()[stratum].simulated(row.inputs)
         density = row.responses["bulk_density"][0] * material["particle.density"]
         problem = gf.Problem(
-            [gf.Parameter(n, material[n] / 2, material[n] * 2) for n in (SLIDING, ROLLING)],
+            [gf.Parameter(name, *_about(name, material[name])) for name in free],
             [
                 gf.Target("bulk_density", density, uncertainty="1 %"),
                 gf.Target("angle_of_repose", row.responses["angle_of_repose"][0], uncertainty=1.0),
             ],
         )
-        solver = gf.solvers.Lammps(test, _without_frictions(material))
+        fixed = {name: one for name, one in material.items() if name not in free}
+        solver = gf.solvers.Lammps(test, fixed)
         for one in estimate_of(problem, {"heap": solver}).parameters:
             inside += one.low <= material[one.parameter.name] <= one.high
 
-    assert inside >= 2 * len(rows) - 2
+    assert inside >= len(free) * _ESTIMATES - 2
 
 
 def test_a_steeper_heap_needs_more_friction() -> None:

@@ -10,20 +10,26 @@ from hypothesis import strategies as st
 
 import grainfit as gf
 from benchmarks.atlas_rows import point
-from grainfit.atlas.inputs import ranges_of, simulated, varied_of
 from grainfit.atlas.reading import NotInAtlasError, Reading
+from grainfit.atlas.strata import strata
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.varied_options import InAtlas, Range
+from grainfit.bulk_tests.varied_options import Range
+from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
-IN_ATLAS = {name: kind for name, kind in bulk_tests().items() if isinstance(kind, InAtlas)}
 MATERIAL = {
     **ROUGH_SPHERES,
     "particle_particle.rolling_damping": 0.0,
     "particle_wall.rolling_damping": 0.0,
 }
 HEAP = gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE)
+
+
+COHESION = {"particle_particle__surface_energy": 0.5, "particle_wall__surface_energy": 0.0}
+CLUMPS, PELLETS = (
+    ParticleSizes((0.01,), shape=ParticleShape(family)) for family in ("two_spheres", "cylinder")
+)
 
 
 def _material(**changed: float) -> dict[str, float]:
@@ -34,25 +40,25 @@ def _reading(test: BulkTest, **changed: float) -> Reading:
     return Reading(gf.solvers.Lammps(test, _material(**changed)), {})
 
 
-@pytest.mark.parametrize("name", IN_ATLAS)
+@pytest.mark.parametrize("name", strata())
 def test_the_point_of_a_row_is_read_back_from_its_test_and_material(name: str) -> None:
-    kind = IN_ATLAS[name]
+    stratum = strata()[name]
     for number in range(6):
-        row = point(kind, number)
-        test, material = simulated(kind, row)
+        row = point(stratum, number)
+        test, material = stratum.simulated(row)
 
         found = Reading(gf.solvers.Lammps(test, material), {}).inputs(material)
 
         assert found == pytest.approx(row, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", IN_ATLAS)
+@pytest.mark.parametrize("name", strata())
 def test_every_input_of_a_row_changes_its_test_or_its_material(name: str) -> None:
-    kind = IN_ATLAS[name]
-    row = point(kind, 3)
-    before = simulated(kind, row)
-    for changed, span in ranges_of(kind).items():
-        other = simulated(kind, {**row, changed: span.at(0.4)})
+    stratum = strata()[name]
+    row = point(stratum, 3)
+    before = stratum.simulated(row)
+    for changed, span in stratum.ranges.items():
+        other = stratum.simulated({**row, changed: span.at(0.4)})
         assert (other.test, other.material) != (before.test, before.material), changed
 
 
@@ -79,11 +85,9 @@ def test_the_apparatus_of_the_laboratory_is_an_input() -> None:
         (gf.tests.Heap(diameter="10 mm"), {}, "plate_rolling_friction"),
         (gf.tests.Triaxial(diameter="10 mm"), {"particle__youngs_modulus": 1e8}, "no rows"),
         (HEAP, {"particle_particle__rolling_damping": 0.3}, "rolling_damping is 0.3"),
-        (
-            HEAP,
-            {"particle_particle__surface_energy": 0.5, "particle_wall__surface_energy": 0.0},
-            "no cohesion",
-        ),
+        (gf.tests.Drum(diameter="10 mm"), COHESION, "has dry spheres, and not spheres with jkr"),
+        (gf.tests.Packing(CLUMPS), COHESION, "not two_spheres with jkr"),
+        (gf.tests.Packing(PELLETS), {}, "clumps of two spheres, and not cylinder"),
         (gf.tests.Drum(diameter="10 mm", end_caps=True), {}, "end_caps"),
     ],
 )
@@ -115,13 +119,13 @@ def test_a_speed_of_a_drum_beyond_those_of_the_rows_is_refused() -> None:
         _reading(faster).require_inside({"particle.density": 2100.0})
 
 
-@pytest.mark.parametrize("name", IN_ATLAS)
+@pytest.mark.parametrize("name", strata())
 def test_declared_options_are_those_of_the_test(name: str) -> None:
-    kind = IN_ATLAS[name]
-    varied = varied_of(kind)
+    stratum = strata()[name]
+    varied = stratum.varied
     named = {varied.size_option, *varied.factors, *varied.values, *varied.loads, *varied.same}
 
-    options = {key.name for key in kind.option_keys()}
+    options = {key.name for key in stratum.kind.option_keys()}
     assert named | {*varied.indifferent, *varied.left, *varied.wider} <= options
 
 

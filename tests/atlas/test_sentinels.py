@@ -80,7 +80,7 @@ def test_outcomes_are_kept_with_the_package(tmp_path: Path) -> None:
 
 
 def test_the_rows_that_ship_are_of_admitted_programs() -> None:
-    for name in ATLAS.tests:
+    for name in ATLAS.strata:
         programs = {row.program for row in rows_in(SHIPPED / f"{name}.jsonl")} - {""}
         assert programs <= admitted_programs(), name
 
@@ -100,11 +100,9 @@ def test_rows_of_a_release_that_was_not_compared_are_not_published(tmp_path: Pat
 
 @pytest.mark.slow
 def test_the_installed_lammps_makes_a_sentinel_again() -> None:
-    from grainfit.bulk_tests.registry import bulk_tests
+    from grainfit.atlas.strata import strata
 
-    made_again = [
-        (test, made(bulk_tests()[test], row.number)) for test, row in sentinels(ATLAS)[:2]
-    ]
+    made_again = [(test, made(strata()[test], row.number)) for test, row in sentinels(ATLAS)[:2]]
 
     found = compare(ATLAS, made_again)
     assert found.largest <= found.limit

@@ -14,10 +14,9 @@ import grainfit as gf
 from benchmarks.atlas_rows import grow, is_of_today, made, publish
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
-from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas
-from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.atlas.strata import SIZE, strata
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
 #: What ships in a wheel, bytes.
@@ -27,16 +26,16 @@ LARGEST = 5e6
 def test_the_shipped_atlas_is_whole_and_small_enough_for_the_wheel() -> None:
     atlas = Atlas()
 
-    assert {"heap", "packing"} <= set(atlas.tests)
+    assert {"heap", "packing"} <= set(atlas.strata)
     assert list(atlas.faults()) == []
     assert sum(path.stat().st_size for path in SHIPPED.iterdir()) < LARGEST
 
 
-@pytest.mark.parametrize("name", Atlas().tests)
+@pytest.mark.parametrize("name", Atlas().strata)
 def test_shipped_rows_were_simulated_in_the_apparatus_that_their_inputs_mean(name: str) -> None:
     rows = rows_in(SHIPPED / f"{name}.jsonl")
 
-    assert [row.number for row in rows if not is_of_today(bulk_tests()[name], row)] == []
+    assert [row.number for row in rows if not is_of_today(strata()[name], row)] == []
 
 
 def test_rows_of_another_apparatus_are_not_published(tmp_path: Path) -> None:
@@ -55,7 +54,7 @@ def test_rows_of_another_apparatus_are_not_published(tmp_path: Path) -> None:
 def test_a_shipped_row_comes_out_again() -> None:
     row = rows_in(SHIPPED / "packing.jsonl")[2]
 
-    again = made(bulk_tests()["packing"], row.number)
+    again = made(strata()["packing"], row.number)
 
     assert again.inputs == row.inputs
     density, error = row.responses["bulk_density"]
@@ -68,7 +67,7 @@ def test_growing_continues_behind_a_line_that_was_cut_off(tmp_path: Path) -> Non
     kept = rows_in(SHIPPED / "packing.jsonl")[0].to_text()
     path.write_text(f"{kept}\n{kept[:50]}")
 
-    made_now = [row.number for row in grow(bulk_tests()["packing"], path, 2)]
+    made_now = [row.number for row in grow(strata()["packing"], path, 2)]
 
     assert made_now == [1]
     assert [row.number for row in rows_in(path)] == [0, 1]
@@ -79,7 +78,10 @@ def test_opened_metamodels_predict_as_the_fitted_ones(tmp_path: Path) -> None:
     (tmp_path / "published").mkdir()
     list(publish(tmp_path, tmp_path / "published"))
 
-    found, shipped = Atlas(tmp_path / "published").of_test("packing"), Atlas().of_test("packing")
+    found, shipped = (
+        Atlas(tmp_path / "published").of_stratum("packing"),
+        Atlas().of_stratum("packing"),
+    )
 
     assert found is not None
     assert shipped is not None
@@ -103,18 +105,18 @@ def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -
         rows.unlink()
     elif damage == "revision":
         plain = json.loads(contents.read_text())
-        plain["tests"]["packing"]["revision"] = "0.0"
+        plain["strata"]["packing"]["revision"] = "0.0"
         contents.write_text(json.dumps(plain))
     elif damage == "no contents":
         contents.unlink()
     elif damage == "foreign":
-        contents.write_text('{"tests": ["packing"], "materials": {}}')
+        contents.write_text('{"strata": ["packing"], "materials": {}}')
     else:
         contents.write_text("[1, 2")
 
     atlas = Atlas(folder)
 
-    assert atlas.of_test("packing") is None
+    assert atlas.of_stratum("packing") is None
     if damage in ("changed", "gone", "revision"):
         assert "packing" in list(atlas.faults())
     else:
@@ -146,7 +148,7 @@ def test_an_estimate_names_a_damaged_atlas_and_goes_on_without_it(tmp_path: Path
 
 
 def test_the_chance_of_a_heap_falls_with_the_rolling_friction() -> None:
-    surrogate = Atlas().of_test("heap")
+    surrogate = Atlas().of_stratum("heap")
     assert surrogate is not None
     model = surrogate.models["angle_of_repose"]
     points = np.full((2, model.kriging.d), 0.5)
@@ -158,11 +160,11 @@ def test_the_chance_of_a_heap_falls_with_the_rolling_friction() -> None:
 
 
 def test_beyond_the_rows_the_error_grows_with_what_the_trend_adds() -> None:
-    surrogate = Atlas().of_test("packing")
+    surrogate = Atlas().of_stratum("packing")
     assert surrogate is not None
     model = surrogate.models["bulk_density"]
     points = np.full((3, model.kriging.d), 0.5)
-    size = list(ranges_of(bulk_tests()["packing"])).index(SIZE)
+    size = list(strata()["packing"].ranges).index(SIZE)
     points[:, size] = (0.9, 1.0, 2.0)
 
     mean, variance = model.predict(points)

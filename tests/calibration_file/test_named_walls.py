@@ -362,7 +362,7 @@ def test_a_plan_of_tests_says_of_which_effect_the_atlas_does_not_tell(tmp_path: 
     remarks = design(path, tests=["heap", "draw_down"]).remarks
 
     rolling = SLIDING.replace("sliding", "rolling")
-    assert messages.EFFECT_ON_TEST_NOT_TOLD(name=rolling, test="heap") in remarks
+    assert messages.EFFECT_ON_TESTS_NOT_TOLD(name=rolling, tests="heap") in remarks
     # The floor of a draw-down is by default of the walls, which the atlas varies.
     assert not any("does to draw_down" in remark for remark in remarks)
 

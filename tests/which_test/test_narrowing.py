@@ -36,8 +36,11 @@ ANGLE = gf.Target("angle_of_repose", 25.0, uncertainty="1 deg")
 ENERGY = gf.Parameter("particle_particle.surface_energy", 0, 0.3, unit="J/m^2")
 RATIO = gf.Parameter("particle.aspect_ratio", 1, 2)
 HEAP = gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE)
-CLUMPS = gf.tests.Heap(
-    ParticleSizes((0.01,), shape=ParticleShape("two_spheres", aspect_ratio=1.5)), **ROUGH_PLATE
+CLUMPS, PELLETS = (
+    gf.tests.Heap(
+        ParticleSizes((0.01,), shape=ParticleShape(family, aspect_ratio=1.5)), **ROUGH_PLATE
+    )
+    for family in ("two_spheres", "cylinder")
 )
 
 
@@ -153,7 +156,7 @@ def test_no_further_response_where_it_tells_little_or_is_measured() -> None:
     assert "with a ruler" in expected(ROLLING, targets=(ANGLE, BULK_DENSITY)).further
     assert expected(ROLLING, targets=(radius, BULK_DENSITY)).further == ""
     assert expected(DENSITY).further == ""
-    assert expected(ROLLING, targets=(ANGLE,), test=CLUMPS).further == ""
+    assert expected(ROLLING, targets=(ANGLE,), test=PELLETS).further == ""
 
 
 def test_rolling_friction_counts_less_where_it_is_larger_than_sliding_friction() -> None:
@@ -164,13 +167,12 @@ def test_rolling_friction_counts_less_where_it_is_larger_than_sliding_friction()
 
 
 @pytest.mark.parametrize(
-    ("parameter", "test", "remedy"),
-    [(ENERGY, HEAP, "a shear test"), (RATIO, CLUMPS, "photographs of particles")],
+    ("parameter", "remedy"), [(ENERGY, "a shear test"), (RATIO, "photographs of particles")]
 )
 def test_a_parameter_of_which_the_atlas_does_not_tell_does_not_count_as_known(
-    parameter: gf.Parameter, test: gf.tests.Heap, remedy: str
+    parameter: gf.Parameter, remedy: str
 ) -> None:
-    limits, untold, frictions = expected(DENSITY, SLIDING, ROLLING, parameter, test=test).notes
+    limits, untold, frictions = expected(DENSITY, SLIDING, ROLLING, parameter, test=PELLETS).notes
 
     assert messages.SLOPES_OF_DRY_SPHERES.is_in(limits)
     assert messages.EFFECT_NOT_TOLD(names=parameter.name, them="it") in untold
@@ -179,22 +181,30 @@ def test_a_parameter_of_which_the_atlas_does_not_tell_does_not_count_as_known(
     assert f"To determine {parameter.name}: {remedy}" in untold
     assert "while particle.density is free: at least 8" in frictions
     # Nothing more is said of what would stay open where only its effect is not known.
-    _, alone = expected(parameter, test=test).notes
+    _, alone = expected(parameter, test=PELLETS).notes
     assert "Even if" not in alone
 
 
 def test_several_parameters_of_which_the_atlas_does_not_tell_are_said_together() -> None:
-    _, note = expected(ROLLING, ENERGY, RATIO, test=CLUMPS).notes
+    _, note = expected(ROLLING, ENERGY, RATIO, test=PELLETS).notes
     assert messages.EFFECT_NOT_TOLD(names=f"{ENERGY.name} and {RATIO.name}", them="them") in note
     assert "Even if they were known, " in note
 
 
-def test_slopes_of_clumps_and_cohesive_materials_are_said_to_be_those_of_dry_spheres() -> None:
-    [clumps] = expected(SLIDING, ROLLING, test=CLUMPS).notes
-    [cohesive] = expected(SLIDING, ROLLING, **{ENERGY.name: 0.1}).notes
-    assert clumps == cohesive
-    assert clumps == messages.SLOPES_OF_DRY_SPHERES()
-    assert expected(SLIDING, ROLLING, **{ENERGY.name: 0.0}).notes == ()
+def test_it_is_said_where_dry_spheres_stand_for_other_particles() -> None:
+    [pellets] = expected(SLIDING, ROLLING, test=PELLETS).notes
+    assert pellets == messages.SLOPES_OF_DRY_SPHERES(tests="heap")
+    clumps = expected(SLIDING, ROLLING, test=CLUMPS)
+    cohesive = expected(SLIDING, ROLLING, **{ENERGY.name: 0.1})
+    for found in (clumps, cohesive, expected(SLIDING, ROLLING, **{ENERGY.name: 0.0})):
+        assert not any(messages.SLOPES_OF_DRY_SPHERES.is_in(note) for note in found.notes)
+
+
+def test_the_rows_of_clumps_and_cohesive_spheres_tell_what_is_theirs_alone() -> None:
+    for parameter, test in ((ENERGY, HEAP), (RATIO, CLUMPS)):
+        found = expected(SLIDING, parameter, test=test)
+        assert not any(messages.EFFECT_NOT_TOLD.is_in(note) for note in found.notes)
+        assert parameter.name in found.narrowing
 
 
 def test_nothing_is_said_about_models_of_the_user_and_tests_without_rows(

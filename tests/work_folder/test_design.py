@@ -136,11 +136,30 @@ def test_a_response_that_the_file_leaves_out_is_named_where_it_pays(plan: Path) 
     assert not any("as well" in words for words in gf.design(plan).remarks)
 
 
+PELLETS = SHAPED.replace("two_spheres", "cylinder")
+
+
+def _cohesive(of_particles: str) -> str:
+    energy = 'surface_energy = { min = "0 J/m^2", max = "1 J/m^2" }\n[particle_wall]'
+    return FILE.replace("[particle_wall]", energy).replace('diameter = "10 mm"', of_particles)
+
+
+def test_a_parameter_of_which_the_atlas_tells_in_some_tests_counts_there(plan: Path) -> None:
+    plan.write_text(_cohesive('diameter = "10 mm"'))
+    found = gf.design(plan, wanted=0.3)
+    assert found.before.names == ("particle.density", SLIDING, ROLLING, ENERGY)
+    words = str(found)
+    [told] = [line for line in found.remarks if messages.EFFECT_ON_TESTS_NOT_TOLD.is_in(line)]
+    assert "shear" in told
+    assert "packing" not in told
+    [stand_in] = [line for line in found.remarks if messages.ATLAS_OF_DRY_SPHERES.is_in(line)]
+    assert "hopper" in stand_in
+    assert "heap" not in stand_in
+    assert not messages.COUNTS_AS_KNOWN.is_in(words)
+
+
 def test_a_parameter_of_which_the_atlas_does_not_tell_counts_as_known(plan: Path) -> None:
-    cohesive = FILE.replace(
-        "[particle_wall]", 'surface_energy = { min = "0 J/m^2", max = "1 J/m^2" }\n[particle_wall]'
-    )
-    plan.write_text(cohesive)
+    plan.write_text(_cohesive(PELLETS.replace("{ min = 1.1, max = 2 }", "1.5")))
     found = gf.design(plan, wanted=0.3)
     assert found.before.names == ("particle.density", SLIDING, ROLLING)
     words = str(found)
@@ -163,7 +182,7 @@ def test_a_cohesion_energy_density_can_be_determined_by_a_heap(plan: Path) -> No
 
 def test_nothing_is_compared_where_the_atlas_does_not_tell_of_any_parameter(plan: Path) -> None:
     fixed = re.sub(r'= \{ min = ("[^"]*"|\S+), max = .* \}', r"= \1", FILE)
-    plan.write_text(fixed.replace('diameter = "10 mm"', SHAPED))
+    plan.write_text(fixed.replace('diameter = "10 mm"', PELLETS))
     found = gf.design(plan)
     assert found.best is None
     assert messages.NO_TEST_COMPARED.is_in(str(found))

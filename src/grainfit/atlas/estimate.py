@@ -12,6 +12,7 @@ from grainfit.arrays import Array
 from grainfit.atlas import messages
 from grainfit.atlas.forecast import Forecast, values_at
 from grainfit.atlas.shelf import Atlas, shipped_atlas
+from grainfit.atlas.strata import strata
 from grainfit.bulk_tests.abilities import options_for
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
 from grainfit.bulk_tests.registry import bulk_tests
@@ -392,7 +393,7 @@ def further_measurements(
         for target in problem.targets
     }
     found: list[FurtherMeasurement] = []
-    for test in atlas.tests:
+    for test in dict.fromkeys(strata()[name].kind.type for name in atlas.strata):
         found += _of_test(test, made, problem, known[0], points, atlas)
     return found
 

@@ -38,7 +38,9 @@ class ExpectedResponse:
 
 
 class Expectation:
-    """What the atlas expects of a test: of dry spheres in the apparatus that is nearest.
+    """What the atlas expects of a test, in the apparatus that is nearest.
+
+    Dry spheres stand for particles of which it has no rows.
 
     Parameters
     ----------
@@ -59,7 +61,7 @@ class Expectation:
         self, solver: Solver, parameters: Mapping[str, float], atlas: Atlas | None = None
     ) -> None:
         self._reading = Reading(solver, parameters, is_nearest=True)
-        self._models = (atlas or shipped_atlas()).require(self._reading.test.type).models
+        self._models = (atlas or shipped_atlas()).require(self._reading.stratum.name).models
 
     def tells_of(self, parameter: str) -> bool:
         """Return whether it says what a parameter does."""

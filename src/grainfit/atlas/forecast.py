@@ -73,7 +73,7 @@ class Forecast:
         targets = problem.targets_of(test)
         try:
             reading = Reading(solvers[test], problem.middle)
-            surrogate = self._atlas.require(reading.test.type)
+            surrogate = self._atlas.require(reading.stratum.name)
             reading.require_inside(problem.middle)
         except NotInAtlasError as error:
             self.untold |= {target.name: str(error) for target in targets.values()}
@@ -108,8 +108,8 @@ class Forecast:
         return np.column_stack(means), np.column_stack(variances)
 
     def _difference(self, one: _Told) -> Difference:
-        test = one.reading.test.type
-        told = self._atlas.difference(one.solver.name, test, one.response)
+        stratum = one.reading.stratum.name
+        told = self._atlas.difference(one.solver.name, stratum, one.response)
         return told or usual_difference(one.reading.kind.responses[one.response].unit)
 
     def scatter(self, points: ArrayLike) -> Array:

@@ -6,8 +6,7 @@ NO_ROWS = Message("the atlas has no rows of this test")
 DAMAGED = Message(
     "the rows of this test in the atlas are damaged, or of another version: install grainfit again"
 )
-CLUMPS = Message("the atlas has spheres alone, and this test has {shape}")
-COHESION = Message("the atlas has no cohesion, and this material has {model}")
+PARTICLES = Message("of this test the atlas has {known}, and not {given}")
 LAW = Message("the atlas has the usual contact law alone, not {models}")
 WALLS = Message("the atlas has one material of all walls, and this test has parts of others")
 DAMPING = Message("{name} is {value:.3g}, and 0 in the atlas")

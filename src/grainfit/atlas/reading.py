@@ -12,10 +12,10 @@ import numpy as np
 
 from grainfit.arrays import Array
 from grainfit.atlas import messages
-from grainfit.atlas.inputs import MATERIAL, SIZE, STIFFNESS, apparatus, ranges_of, varied_of
+from grainfit.atlas.strata import SIZE, STIFFNESS, Particles, Stratum, strata
 from grainfit.bulk_tests.abilities import friction_options
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.natural_units import Scale
+from grainfit.bulk_tests.natural_units import Scale, unit_of_parameter
 from grainfit.bulk_tests.parameter_names import (
     DENSITY,
     MODULUS,
@@ -24,13 +24,13 @@ from grainfit.bulk_tests.parameter_names import (
     WALL_ROLLING,
     WALL_SLIDING,
 )
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.stiffness import stiffness_number
-from grainfit.bulk_tests.varied_options import NUMERICAL, InAtlas
+from grainfit.bulk_tests.varied_options import NUMERICAL
 from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
+from grainfit.formatting import in_a_row
 from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of
 from grainfit.solvers.base import Solver
 from grainfit.units import powers
@@ -40,9 +40,9 @@ _SAME = 0.05
 #: Walls are rigid when their modulus is so many times that of the particles.
 _RIGID = 30.0
 _DAMPING = "particle_particle.rolling_damping"
-#: Parameters that move an input. Trials showed no effect of the restitution of walls: rows have
-#: that of the particles.
-_TOLD = frozenset({*MATERIAL, WALL_RESTITUTION, DENSITY, MODULUS})
+#: Parameters that move an input, besides those that are one. Trials showed no effect of the
+#: restitution of walls: rows have that of the particles.
+_TOLD = frozenset({WALL_RESTITUTION, DENSITY, MODULUS})
 
 
 class NotInAtlasError(Exception):
@@ -66,6 +66,15 @@ class Reading:
     ------
     NotInAtlasError
         The atlas has no such test, particles, contact law or apparatus.
+
+    Attributes
+    ----------
+    test : BulkTest
+        The test.
+    stratum : Stratum
+        The rows that tell of it.
+    has_own_particles : bool
+        Whether these are of its particles, and not of dry spheres that stand for them.
     """
 
     def __init__(
@@ -75,17 +84,28 @@ class Reading:
         if test is None:
             raise NotInAtlasError(messages.NO_ROWS())
         self.test: BulkTest = test
-        self.kind = _kind_of(test)
-        self.ranges = ranges_of(self.kind)
         self._walls = _Walls.of(solver, test)
         try:
             self._material = solver.run_parameters(parameters)
+            of_test = _strata_of(test)
+            cohesion = _cohesion(solver, self._material)
+            own = (one for one in of_test if _are(one.particles, test, cohesion))
+            self.stratum = next(own, of_test[0])
+            self.has_own_particles = _are(self.stratum.particles, test, cohesion)
             if not is_nearest:
-                _require_spheres_of_usual_law(solver, test, self._material, self._walls)
-                self._walls.require_told(varied_of(self.kind).values)
-            self._apparatus = _apparatus_inputs(self.kind, test, is_nearest=is_nearest)
+                if not self.has_own_particles:
+                    raise NotInAtlasError(_other_particles(of_test, test, cohesion))
+                _require_told_law(solver, self._material, self._walls)
+                self._walls.require_told(self.stratum.varied.values)
+            self._apparatus = _apparatus_inputs(self.stratum, test, is_nearest=is_nearest)
         except InputError as error:
             raise NotInAtlasError(error.reasons) from None
+        self.ranges = self.stratum.ranges
+
+    @property
+    def kind(self) -> type[BulkTest]:
+        """Class of the test."""
+        return self.stratum.kind
 
     def shares(self, values: Mapping[str, Array]) -> Array:
         """Return points of the unit cube of the atlas, shape (m, inputs); beyond 1 outside of it.
@@ -104,18 +124,19 @@ class Reading:
     def tells_of(self, name: str) -> bool:
         """Return whether a parameter moves an input."""
         wall, plain = wall_of(name), plain_name(name)
-        if plain not in _TOLD or wall in (None, self._walls.first):
-            return plain in _TOLD
-        options = self._walls.of_options(varied_of(self.kind).values)
+        is_told = plain in (*_TOLD, *self.stratum.particles.material)
+        if not is_told or wall in (None, self._walls.first):
+            return is_told
+        options = self._walls.of_options(self.stratum.varied.values)
         return any(own == wall and _friction(option) == plain for option, own in options.items())
 
     def inputs(self, material: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs of a material, or of arrays of materials, by name."""
-        test, varied = self.test, varied_of(self.kind)
+        test, varied = self.test, self.stratum.varied
         weight = material[DENSITY] * float(test.gravity) * test.sizes.sauter_diameter
         options = test.resolved_options()
         return {
-            **{name: self._of_material(name, material) for name in MATERIAL},
+            **{name: self._of_material(name, material) for name in self.stratum.particles.material},
             STIFFNESS: stiffness_number(test, material),
             **self._apparatus,
             **{name: self._as_number(name, options[name], material) for name in varied.values},
@@ -124,7 +145,15 @@ class Reading:
 
     def _of_material(self, name: str, material: Mapping[str, Any]) -> Any:
         # A test without walls has no parameters of one.
-        return material.get(on_wall(name, self._walls.first), self.ranges[name].at(0.5))
+        value = material.get(on_wall(name, self._walls.first))
+        if value is None:
+            return self.ranges[name].at(0.5)
+        return value / self._natural(unit_of_parameter(name), material[DENSITY])
+
+    def _natural(self, unit: str, density: Any) -> Any:
+        """Return the natural unit of a quantity at one density of the particles, or at many."""
+        scale = Scale(self.test.sizes.sauter_diameter, 1.0, float(self.test.gravity))
+        return scale.of(unit) * density ** powers(unit)[0]
 
     def _as_number(self, name: str, value: Any, material: Mapping[str, Any]) -> Any:
         """Return the value of an option; the friction of a part may be a wall's or particles'."""
@@ -136,9 +165,8 @@ class Reading:
         """Return the unit of a response of the metamodels in its SI unit, shape (m,) or ()."""
         unit = self.kind.responses[response].unit
         density: Any = values.get(DENSITY, np.asarray(self._material[DENSITY]))
-        scale = Scale(self.test.sizes.sauter_diameter, 1.0, float(self.test.gravity))
         grown = self._apparatus[SIZE] ** (size_power(self.kind, response) or 0.0)
-        return np.asarray(grown * scale.of(unit) * density ** powers(unit)[0])
+        return np.asarray(grown * self._natural(unit, density))
 
     def require_inside(self, parameters: Mapping[str, float]) -> None:
         """Raise `NotInAtlasError` with the first input that lies outside of the rows.
@@ -158,7 +186,7 @@ class Reading:
     @cached_property
     def _chosen(self) -> Collection[str]:
         """Inputs that a laboratory chooses: lengths and speeds over their usual value."""
-        varied = varied_of(self.kind)
+        varied = self.stratum.varied
         return [name for name in varied.factors if name not in varied.bounded]
 
     @cached_property
@@ -211,24 +239,36 @@ def _friction(option: str) -> str:
     return WALL_SLIDING if "sliding" in option else WALL_ROLLING
 
 
-def _kind_of(test: BulkTest) -> type[BulkTest]:
-    kind = bulk_tests().get(test.type)
-    if kind is None or not isinstance(kind, InAtlas):
+def _strata_of(test: BulkTest) -> list[Stratum]:
+    """Return the strata of a test, that of dry spheres first."""
+    found = [one for one in strata().values() if one.kind.type == test.type]
+    if not found:
         raise NotInAtlasError(messages.NO_ROWS())
-    return kind
+    return found
 
 
-def _require_spheres_of_usual_law(
-    solver: Solver, test: BulkTest, material: Mapping[str, float], walls: _Walls
-) -> None:
-    if test.sizes.shape is not None:
-        raise NotInAtlasError(messages.CLUMPS(shape=test.sizes.shape))
+def _cohesion(solver: Solver, material: Mapping[str, float]) -> str:
+    """Return the model of cohesion that acts; empty without one."""
+    law = contact_law(material, tuple(getattr(solver, "contact_models", ())))
+    return "" if law.cohesion is None else law.cohesion.name
+
+
+def _are(particles: Particles, test: BulkTest, cohesion: str) -> bool:
+    """Return whether those of a test are of a kind; aspect ratios are inputs."""
+    families = [one and one.definition() for one in (particles.shape, test.sizes.shape)]
+    return families[0] == families[1] and particles.cohesion == cohesion
+
+
+def _other_particles(of_test: Iterable[Stratum], test: BulkTest, cohesion: str) -> str:
+    known = in_a_row(one.particles.title for one in of_test)
+    given = f"{test.sizes.shape or 'spheres'}{cohesion and f' with {cohesion}'}"
+    return messages.PARTICLES(known=known, given=given)
+
+
+def _require_told_law(solver: Solver, material: Mapping[str, float], walls: _Walls) -> None:
     models = tuple(getattr(solver, "contact_models", ()))
     if models:
         raise NotInAtlasError(messages.LAW(models=", ".join(models)))
-    law = contact_law(material, models)
-    if law.cohesion is not None:
-        raise NotInAtlasError(messages.COHESION(model=law.cohesion.name))
     if material.get(_DAMPING, 0.0) > 0:
         raise NotInAtlasError(messages.DAMPING(name=_DAMPING, value=material[_DAMPING]))
     moduli = [material[on_wall("wall.youngs_modulus", one)] for one in {*walls.parts.values()}]
@@ -236,19 +276,17 @@ def _require_spheres_of_usual_law(
         raise NotInAtlasError(messages.SOFT_WALL())
 
 
-def _apparatus_inputs(
-    kind: type[BulkTest], test: BulkTest, *, is_nearest: bool
-) -> dict[str, float]:
+def _apparatus_inputs(stratum: Stratum, test: BulkTest, *, is_nearest: bool) -> dict[str, float]:
     """Return the inputs of an apparatus that no material changes."""
-    varied = varied_of(kind)
+    varied = stratum.varied
     scale = Scale(test.sizes.sauter_diameter, 1.0, float(test.gravity))
     given = test.resolved_options()
     loads = {name: given[name] / scale.of("Pa") for name in varied.loads}
     usual = dict.fromkeys(varied.factors, 1.0) | {n: given[n] for n in varied.values} | loads
-    reference = apparatus(kind, {**usual, SIZE: 1.0}, scale).resolved_options()
+    reference = stratum.apparatus({**usual, SIZE: 1.0}, scale).resolved_options()
     size = given[varied.size_option] / reference[varied.size_option]
     usual[SIZE] = float(size ** (1 / varied.size_power))
-    at_size = apparatus(kind, usual, scale).resolved_options()
+    at_size = stratum.apparatus(usual, scale).resolved_options()
     for name in varied.factors:
         if given[name] is None:
             raise NotInAtlasError(
@@ -257,7 +295,7 @@ def _apparatus_inputs(
         usual[name] = given[name] / at_size[name]
     if is_nearest:
         return {name: usual[name] for name in (SIZE, *varied.factors)}
-    alike = apparatus(kind, usual, scale).resolved_options()
+    alike = stratum.apparatus(usual, scale).resolved_options()
     for name, value in given.items():
         is_input = name in varied.values or name in (*varied.indifferent, *NUMERICAL)
         if not is_input and not _is_same(value, alike[name]):

@@ -1,4 +1,4 @@
-"""Files of the atlas: rows and metamodels of every test."""
+"""Files of the atlas: rows and metamodels of every stratum."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from grainfit.atlas import messages
 from grainfit.atlas.differences import REFERENCE, Difference
 from grainfit.atlas.reading import NotInAtlasError
 from grainfit.atlas.row import rows_in
+from grainfit.atlas.strata import strata
 from grainfit.atlas.surrogate import Surrogate
 from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.scenes.scene import SCENES_REVISION
 
 #: The rows that ship with the package.
@@ -29,8 +29,8 @@ class Atlas:
     Parameters
     ----------
     folder : Path
-        Has ``NAME.jsonl`` and ``NAME.models.json`` for every test, and ``contents.json`` with their
-        hashes and the revision of the physics.
+        Has ``NAME.jsonl`` and ``NAME.models.json`` of every stratum, ``contents.json`` with their
+        hashes, and the revision of the physics.
     """
 
     def __init__(self, folder: Path = SHIPPED) -> None:
@@ -41,7 +41,7 @@ class Atlas:
     def _contents(self) -> Mapping[str, Any]:
         try:
             found = json.loads((self.folder / CONTENTS).read_text(encoding="utf-8"))
-            return found if isinstance(found.get("tests"), dict) else {}
+            return found if isinstance(found.get("strata"), dict) else {}
         except (OSError, ValueError, AttributeError):
             return {}
 
@@ -51,23 +51,23 @@ class Atlas:
         return bool(self._contents)
 
     @property
-    def _tests(self) -> Mapping[str, Any]:
-        found: Mapping[str, Any] = self._contents.get("tests", {})
+    def _strata(self) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = self._contents.get("strata", {})
         return {name: one for name, one in found.items() if isinstance(one, dict)}
 
     @property
-    def tests(self) -> tuple[str, ...]:
-        """Names of the tests of which it has rows."""
-        return tuple(self._tests)
+    def strata(self) -> tuple[str, ...]:
+        """Names of the strata of which it has rows."""
+        return tuple(self._strata)
 
     @property
     def counts(self) -> dict[str, int]:
-        """Numbers of rows by test."""
-        found = {name: one.get("count", 0) for name, one in self._tests.items()}
+        """Numbers of rows by stratum."""
+        found = {name: one.get("count", 0) for name, one in self._strata.items()}
         return {name: one if isinstance(one, int) else 0 for name, one in found.items()}
 
-    def of_test(self, name: str) -> Surrogate | None:
-        """Return what it tells about a test; None if damaged, or of another physics."""
+    def of_stratum(self, name: str) -> Surrogate | None:
+        """Return what it tells about a stratum; None if damaged, or of another physics."""
         if name not in self._read:
             try:
                 self._read[name] = self._open(name)
@@ -76,42 +76,45 @@ class Atlas:
         return self._read[name]
 
     def require(self, name: str) -> Surrogate:
-        """Return what it tells about a test.
+        """Return what it tells about a stratum.
 
         Raises
         ------
         NotInAtlasError
-            It has no rows of the test, or they are damaged, or of another physics.
+            It has no rows of it, or they are damaged, or of another physics.
         """
-        found = self.of_test(name)
+        found = self.of_stratum(name)
         if found is None:
-            is_there = name in self.tests or not self.is_readable
+            is_there = name in self.strata or not self.is_readable
             raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
         return found
 
-    def difference(self, solver: str, test: str, response: str) -> Difference | None:
+    def difference(self, solver: str, stratum: str, response: str) -> Difference | None:
         """Return how far a solver is from LAMMPS in a response; None where no rows tell it."""
         try:
-            mean, spread = self._tests[test]["solvers"][solver][response]
+            mean, spread = self._strata[stratum]["solvers"][solver][response]
             return Difference(float(mean), float(spread))
         except (KeyError, TypeError, ValueError):
             return None
 
     def faults(self) -> Iterator[str]:
-        """Yield the tests of which it has rows that tell nothing."""
-        for name in self.tests:
-            if self.of_test(name) is None:
+        """Yield the strata of which it has rows that tell nothing."""
+        for name in self.strata:
+            if self.of_stratum(name) is None:
                 yield name
 
     def _open(self, name: str) -> Surrogate | None:
-        kind, known = bulk_tests().get(name), self._tests.get(name)
-        if kind is None or known is None or known["revision"] != revision_of(kind):
+        stratum, known = strata().get(name), self._strata.get(name)
+        if stratum is None or known is None or known["revision"] != revision_of(stratum.kind):
             return None
         paths = rows_of(self.folder, name), models_of(self.folder, name)
-        if [known["rows"], known["models"]] != [hash_of(path) for path in paths]:
+        # Rows of dry spheres are a limit of some particles.
+        dry = rows_of(self.folder, stratum.kind.type)
+        kept = [known["rows"], known["models"], known["dry"]]
+        if kept != [hash_of(path) for path in (*paths, dry)]:
             return None
         plain = json.loads(paths[1].read_text(encoding="utf-8"))
-        return Surrogate(kind, rows_in(paths[0]), plain)
+        return Surrogate(stratum, rows_in(paths[0]), rows_in(dry), plain)
 
 
 @cache
@@ -126,12 +129,12 @@ def revision_of(kind: type[BulkTest]) -> str:
 
 
 def rows_of(folder: Path, name: str, solver: str = REFERENCE) -> Path:
-    """Return the file with the rows of a test that a solver made."""
+    """Return the file with the rows of a stratum that a solver made."""
     return folder / (f"{name}.jsonl" if solver == REFERENCE else f"{name}.{solver}.jsonl")
 
 
 def models_of(folder: Path, name: str) -> Path:
-    """Return the file with the metamodels of a test."""
+    """Return the file with the metamodels of a stratum."""
     return folder / f"{name}.models.json"
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.arrays import Array
-from grainfit.atlas.inputs import SIZE, ranges_of
 from grainfit.atlas.row import Row
+from grainfit.atlas.strata import SIZE, Stratum
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.varied_options import Range
@@ -20,6 +20,8 @@ from grainfit.metamodels.kriging import Kriging
 
 #: Fewest rows with a response from which it is predicted.
 FEWEST_ROWS = 24
+#: Fewest of them that are not of dry spheres.
+_FEWEST_OWN = 12
 #: A response whose values span this factor is predicted as its logarithm, unless it is an angle.
 _WIDE = 2.0
 _ANGLE = "deg"
@@ -54,9 +56,18 @@ class ResponseModel:
 
     @classmethod
     def fit(
-        cls, kind: type[BulkTest], name: str, points: Array, rows: Sequence[Row], chance: Kriging
+        cls,
+        kind: type[BulkTest],
+        name: str,
+        points: Array,
+        rows: Sequence[Row],
+        chance: Kriging,
+        own: int | None = None,
     ) -> ResponseModel:
-        """Fit the metamodel of a response to rows at points of the unit cube."""
+        """Fit the metamodel of a response to rows at points of the unit cube.
+
+        Its inflation is that of the first ``own`` rows alone.
+        """
         has = _has(name, rows)
         values, errors = row_values(kind, name, rows)
         is_wide = bool(values.min() > 0 and values.max() > _WIDE * values.min())
@@ -65,7 +76,7 @@ class ResponseModel:
             values, errors = np.log(values), errors / values
         stated = errors if (errors > 0).all() else None
         kriging = Kriging.fit(points[has], values, standard_errors=stated).reduced(_SETS)
-        squares = kriging.standardised_residuals() ** 2
+        squares = kriging.standardised_residuals()[: has[:own].sum()] ** 2
         return cls(kriging, is_logarithm, chance, max(1.0, float(squares.mean())))
 
     @classmethod
@@ -173,14 +184,16 @@ class ResponseModel:
 
 
 class Surrogate:
-    """What the rows of the atlas tell about one test.
+    """What the rows of a stratum of the atlas tell.
 
     Parameters
     ----------
-    kind : type
-        Class of the test.
+    stratum : Stratum
+        Test and particles.
     rows : sequence of Row
         Its runs.
+    dry : sequence of Row
+        Rows of dry spheres, the limit of all other particles.
     plain : mapping, optional
         Metamodels as of `to_plain`; without them, they are fitted.
 
@@ -191,19 +204,26 @@ class Surrogate:
     """
 
     def __init__(
-        self, kind: type[BulkTest], rows: Sequence[Row], plain: Mapping[str, Any] | None = None
+        self,
+        stratum: Stratum,
+        rows: Sequence[Row],
+        dry: Sequence[Row] = (),
+        plain: Mapping[str, Any] | None = None,
     ) -> None:
+        kind = stratum.kind
         self.rows = tuple(rows)
+        rows = [*rows, *stratum.with_limit(dry)]
         self.models: dict[str, ResponseModel] = {}
         self._chances: dict[bytes, Kriging] = {}
-        points = points_of(rows, ranges_of(kind))
+        points = points_of(rows, stratum.ranges)
         for name in kind.responses:
             has = _has(name, rows)
-            if has.sum() < FEWEST_ROWS:
+            if has.sum() < FEWEST_ROWS or has[: len(self.rows)].sum() < _FEWEST_OWN:
                 continue
             given = kind, name, points, rows
             if plain is None:
-                model = ResponseModel.fit(*given, self._chance(has, points, None))
+                chance = self._chance(has, points, None)
+                model = ResponseModel.fit(*given, chance, len(self.rows))
             else:
                 one = plain[name]
                 chance = self._chance(has, points, plain["chances"][one["chance"]])

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from grainfit.atlas.inputs import ranges_of, varied_of
 from grainfit.atlas.shelf import Atlas
+from grainfit.atlas.strata import Stratum, strata
 from grainfit.atlas.surrogate import ResponseModel, Surrogate
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.heap import Heap
-from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.bulk_tests.size import size_power
 from grainfit.formatting import unit_for_people
 from grainfit.report.package_page import package_page
@@ -34,9 +33,9 @@ def atlas_page(atlas: Atlas) -> str:
         Its rows and metamodels are in the page.
     """
     # Most users have a heap.
-    names = sorted(atlas.tests, key=lambda name: (name != Heap.type, name))
-    known = {name: atlas.of_test(name) for name in names}
-    tests = [_test(bulk_tests()[name], found) for name, found in known.items() if found is not None]
+    names = sorted(atlas.strata, key=lambda name: (name != Heap.type, name))
+    known = {name: atlas.of_stratum(name) for name in names}
+    tests = [_test(strata()[name], found) for name, found in known.items() if found is not None]
     return package_page(
         "grainfit.atlas_page",
         tests=tests,
@@ -45,31 +44,33 @@ def atlas_page(atlas: Atlas) -> str:
     )
 
 
-def _test(kind: type[BulkTest], surrogate: Surrogate) -> dict[str, Any]:
+def _test(stratum: Stratum, surrogate: Surrogate) -> dict[str, Any]:
+    kind = stratum.kind
     return {
-        "name": kind.type,
-        "title": kind.title,
+        "name": stratum.name,
+        "title": stratum.title,
         "rows": len(surrogate.rows),
         "inputs": [
             {
                 "name": name,
-                "words": _words(kind, name),
+                "words": _words(stratum, name),
                 "low": span.low,
                 "high": span.high,
                 "power": span.power,
             }
-            for name, span in ranges_of(kind).items()
+            for name, span in stratum.ranges.items()
         ],
         "responses": [_response(kind, name, model) for name, model in surrogate.models.items()],
     }
 
 
-def _words(kind: type[BulkTest], name: str) -> str:
+def _words(stratum: Stratum, name: str) -> str:
     if name in _WORDS:
         return _WORDS[name]
-    words = name.replace("particle_particle.", "").replace("particle_wall.", "on walls: ")
-    usual = ", usual = 1" if name in varied_of(kind).factors else ""
-    return f"{words.replace('_', ' ')}{usual}"
+    words = name.replace("particle_wall.", "on walls: ").rpartition("particle.")[2]
+    usual = ", usual = 1" if name in stratum.varied.factors else ""
+    natural = " over ρ g d²" if name.endswith("surface_energy") else ""
+    return f"{words.replace('_', ' ')}{natural}{usual}"
 
 
 def _response(kind: type[BulkTest], name: str, model: ResponseModel) -> dict[str, Any]:

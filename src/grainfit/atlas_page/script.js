@@ -86,8 +86,9 @@
 
   // Round values of an input with room for their digits between them.
   function roundValues(input) {
-    const found = [];
-    const first = Math.floor(Math.log10(input.low));
+    const found = input.low === 0 ? [0] : [];
+    // Of a range from zero on, three decades are enough.
+    const first = Math.floor(Math.log10(input.low || input.high / 1000));
     const last = Math.ceil(Math.log10(input.high));
     for (let power = first; power <= last; power++) {
       for (const digit of [1, 2, 5]) {

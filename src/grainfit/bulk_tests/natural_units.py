@@ -138,7 +138,7 @@ def natural_run(definition: RunDefinition) -> NaturalRun | None:
 
 def _numbers_of_material(material: Mapping[str, float], scale: Scale) -> dict[str, float]:
     numbers = {
-        name: value / scale.of(_unit(name))
+        name: value / scale.of(unit_of_parameter(name))
         for name, value in material.items()
         # Walls do not move, and of their elasticity only the contact's stiffness matters.
         if name != DENSITY and not name.startswith(_WALL)
@@ -156,7 +156,14 @@ def _wall_ratios(material: Mapping[str, float], wall: str) -> dict[str, float]:
     return dict(zip(names, ratios, strict=True))
 
 
-def _unit(name: str) -> str:
+def unit_of_parameter(name: str) -> str:
+    """Return the SI unit of a material parameter.
+
+    Raises
+    ------
+    KeyError
+        There is none of this name.
+    """
     known = material_parameter(name)
     if known is None:
         raise KeyError(name)

@@ -65,6 +65,10 @@ class Range:
         return np.log(value) if self.power == 0 else value**self.power
 
 
+#: Surface energies over rho g d^2, Bond numbers up to 2.25, beyond which no flank is one.
+OF_FLANKS = Range(0.0, 0.5, power=1 / 3)
+
+
 @dataclass(frozen=True)
 class VariedOptions(OneLine):
     """Options of a test that the rows of the atlas vary.
@@ -96,6 +100,11 @@ class VariedOptions(OneLine):
         Options on which responses hardly depend, besides `NUMERICAL`: every value is admitted.
     left : tuple of str
         Those of them that keep their own default at every size.
+    particles : tuple of str
+        Particles besides dry spheres of which there are rows, see `grainfit.atlas.strata`.
+    surface_energy : Range, optional
+        Surface energies over rho g d^2 of cohesive particles, where those of other tests do not
+        suit.
     """
 
     size_option: str
@@ -110,6 +119,8 @@ class VariedOptions(OneLine):
     same: Mapping[str, Any] = field(default_factory=dict)
     indifferent: tuple[str, ...] = ()
     left: tuple[str, ...] = ()
+    particles: tuple[str, ...] = ()
+    surface_energy: Range | None = None
 
     @property
     def ranges(self) -> dict[str, Range]:

@@ -11,11 +11,10 @@ from grainfit.evaluation import response_name
 from grainfit.formatting import number
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
-from grainfit.which_test.available import material_of
 from grainfit.which_test.candidate import CandidateResponse
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.slopes import Cloud
-from grainfit.which_test.told_by_atlas import are_dry_spheres, told_responses
+from grainfit.which_test.told_by_atlas import as_dry_spheres, told_responses
 
 #: A further response is named if it narrows a parameter at least to this share: it takes about two
 #: runs more (`benchmarks/further_responses.py`).
@@ -46,7 +45,7 @@ def further_response(
         Parameter sets over which the slopes by the atlas are taken.
     """
     kept = [name for name in known.names if name in names and known.deviation(name) > 0]
-    if not kept or not are_dry_spheres(solvers, material_of(solvers, cloud.middle)):
+    if not kept or as_dry_spheres(solvers, cloud.middle):
         return ""
     best, sentence = _WORTH_MEASURING, ""
     for test, response in _unmeasured(solvers, measured, cloud):

@@ -23,8 +23,8 @@ ANGLES_DO_NOT_HELP = Message(
 
 # What stays open.
 SLOPES_OF_DRY_SPHERES = Message(
-    "What the tests leave open is estimated with the slopes of dry spheres: the atlas has neither "
-    "clumps nor cohesive materials.",
+    "What the tests leave open is estimated with the slopes of dry spheres in {tests}, of which "
+    "the atlas does not have these particles.",
     "'grainfit design --simulate' finds them.",
 )
 EFFECT_NOT_TOLD = Message(
@@ -72,14 +72,14 @@ NO_FURTHER_TEST_COMPARED = Message("No further test could be compared.")
 # Which set of tests.
 NO_SHARE = Message("is {given!r}.", "Give a share above 0, such as 0.2.")
 ATLAS_OF_DRY_SPHERES = Message(
-    "The slopes of the atlas are those of spheres without cohesion; --simulate finds those of this "
-    "material."
+    "In {tests} the slopes of the atlas are those of spheres without cohesion; --simulate finds "
+    "those of this material."
 )
 COUNTS_AS_KNOWN = Message(
     "The atlas does not tell what {name} does: it counts as known. --simulate finds it. {otherwise}"
 )
-EFFECT_ON_TEST_NOT_TOLD = Message(
-    "The atlas does not tell what {name} does to {test}; --simulate finds it."
+EFFECT_ON_TESTS_NOT_TOLD = Message(
+    "The atlas does not tell what {name} does to {tests}; --simulate finds it."
 )
 SLOPES_BY_ATLAS = Message("Slopes are those of the atlas, see docs/choosing_tests.md.")
 SETTLED_BY = Message("Measure {tests}: that settles {wanted}.")

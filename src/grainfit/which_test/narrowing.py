@@ -21,7 +21,6 @@ from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
-from grainfit.which_test.available import material_of
 from grainfit.which_test.candidate import CandidateResponse
 from grainfit.which_test.determining_tests import (
     BETTER_FIXED,
@@ -34,7 +33,7 @@ from grainfit.which_test.determining_tests import (
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge, even_deviation
 from grainfit.which_test.slopes import Cloud
-from grainfit.which_test.told_by_atlas import are_dry_spheres, told_responses, untold_effects
+from grainfit.which_test.told_by_atlas import as_dry_spheres, told_responses, untold_effects
 
 #: Share of an interval above which a parameter counts as open: slopes are those of a straight line,
 #: so only wide intervals are worth a note.
@@ -93,7 +92,6 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     >>> round(gf.expected_narrowing(problem, {"heap": heap}).narrowing[friction], 1)
     0.2
     """
-    material = material_of(solvers, problem.middle)
     cloud = Cloud.even(problem.parameters)
     responses = _responses(problem, solvers, cloud)
     if not responses:
@@ -109,9 +107,10 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     measured = problem.responses
     then = estimate.before.after(slopes, estimate.errors)
     seen = [name for name, width in widths.items() if width <= _OPEN]
+    spheres = as_dry_spheres(solvers, problem.middle)
     further = further_response(then, seen, solvers, measured, cloud)
     notes = (
-        *(() if are_dry_spheres(solvers, material) else (messages.SLOPES_OF_DRY_SPHERES(),)),
+        *([messages.SLOPES_OF_DRY_SPHERES(tests=in_a_row(spheres))] if spheres else ()),
         *([_note_on_untold(untold, widths, measured)] if untold else ()),
         *_notes(estimate, tests, measured, about="at least" if untold else "on average about"),
         *map(better_fixed, without_effect),

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 
 from grainfit.atlas.expectation import Expectation
-from grainfit.atlas.reading import NotInAtlasError
+from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.response_info import ResponseInfo
-from grainfit.contact_models.registry import COHESION
 from grainfit.materials.walls import plain_name
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
@@ -93,9 +93,20 @@ def untold_effects(solvers: Mapping[str, Solver], cloud: Cloud) -> dict[str, lis
     return found
 
 
-def are_dry_spheres(solvers: Mapping[str, Solver], material: Mapping[str, float]) -> bool:
-    """Return whether particles are spheres without cohesion, as those of the atlas."""
-    tests = [solver.bulk_test for solver in solvers.values() if solver.bulk_test]
-    are_clumps = any(test.sizes.shape is not None for test in tests)
-    is_cohesive = any(value for name, value in material.items() if plain_name(name) in COHESION)
-    return not are_clumps and not is_cohesive
+def as_dry_spheres(solvers: Mapping[str, Solver], middle: Mapping[str, float]) -> list[str]:
+    """Return the types of test in which dry spheres stand for particles the atlas does not have.
+
+    Parameters
+    ----------
+    solvers : mapping of str to Solver
+        The tests, by name.
+    middle : mapping of str to float
+        Free parameters somewhere in their intervals.
+    """
+    found: dict[str, None] = {}
+    for solver in solvers.values():
+        with suppress(NotInAtlasError):
+            reading = Reading(solver, middle, is_nearest=True)
+            if not reading.has_own_particles:
+                found[reading.test.type] = None
+    return list(found)

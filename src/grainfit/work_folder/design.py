@@ -13,7 +13,7 @@ from grainfit.calibration_file.planned import PlannedFile, load_planned_file
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.errors import InputError
-from grainfit.formatting import counted
+from grainfit.formatting import counted, in_a_row
 from grainfit.one_thread import one_thread
 from grainfit.problem import Parameter
 from grainfit.validation import as_number
@@ -26,7 +26,7 @@ from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.measurement_plan import MeasurementPlan, rank_combinations
 from grainfit.which_test.simulation import Simulation
 from grainfit.which_test.slopes import Cloud, corners
-from grainfit.which_test.told_by_atlas import are_dry_spheres, told_tests, untold_effects
+from grainfit.which_test.told_by_atlas import as_dry_spheres, told_tests, untold_effects
 
 #: Positions in the intervals that are simulated, on each side of the middle.
 _SIDE = 0.35
@@ -135,10 +135,10 @@ def _by_atlas(
     told = {candidate.name for candidate in found}
     nowhere = [name for name, tests in without.items() if {*tests} >= told]
     before = Knowledge.of_intervals(planned.file.parameters).without(nowhere)
-    is_told = are_dry_spheres(solvers, material_of(solvers, middle))
+    spheres = as_dry_spheres(solvers, middle)
     remarks = [
         *compared.without(missing).remarks(),
-        *(() if is_told else (messages.ATLAS_OF_DRY_SPHERES(),)),
+        *([messages.ATLAS_OF_DRY_SPHERES(tests=in_a_row(spheres))] if spheres else ()),
         *_remarks_on_untold(without, nowhere),
         *_remarks_on_own(planned, [c for c in found if c.name in planned.solvers], before, cloud),
     ]
@@ -172,9 +172,8 @@ def _remarks_on_untold(
         if name in nowhere:
             otherwise = other_measurement(name)
             yield messages.COUNTS_AS_KNOWN(name=name, otherwise=otherwise).rstrip()
-            continue
-        for test in tests:
-            yield messages.EFFECT_ON_TEST_NOT_TOLD(name=name, test=test)
+        else:
+            yield messages.EFFECT_ON_TESTS_NOT_TOLD(name=name, tests=in_a_row(tests))
 
 
 def _points(parameters: Sequence[Parameter]) -> list[dict[str, float]]:

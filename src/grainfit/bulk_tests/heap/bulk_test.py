@@ -42,7 +42,7 @@ from grainfit.bulk_tests.shared.responses import AT_EDGE, BULK_DENSITY, HEAP_PRO
 from grainfit.bulk_tests.shared.surplus_particles import surplus_particles
 from grainfit.bulk_tests.shared.validity import require_separate
 from grainfit.bulk_tests.size import scaled
-from grainfit.bulk_tests.varied_options import Range, VariedOptions
+from grainfit.bulk_tests.varied_options import OF_FLANKS, Range, VariedOptions
 from grainfit.bulk_tests.view import SeenOutline, Shown
 from grainfit.checks import Found, check
 from grainfit.errors import NotMeasurableError
@@ -155,6 +155,8 @@ class Heap(BulkTest):
             "views",
         ),
         left=("bulk_density_top",),
+        particles=("cohesive", "clumps"),
+        surface_energy=OF_FLANKS,
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,

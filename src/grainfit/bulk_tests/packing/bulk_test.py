@@ -108,6 +108,7 @@ class Packing(BulkTest):
         factors={"fill_height": Range(0.6, 1.4)},
         indifferent=("bulk_density_bottom", "bulk_density_top"),
         left=("bulk_density_top",),
+        particles=("cohesive", "clumps"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 

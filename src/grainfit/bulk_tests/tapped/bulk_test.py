@@ -115,6 +115,7 @@ class Tapped(Packing):
     varied: ClassVar[VariedOptions] = replace(
         Packing.varied,
         factors={**Packing.varied.factors, "drop_height": Range(0.3, 2.0, power=0)},
+        particles=(),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
