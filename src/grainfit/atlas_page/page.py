@@ -33,9 +33,9 @@ def atlas_page(atlas: Atlas) -> str:
         Its rows and metamodels are in the page.
     """
     # Most users have a heap.
-    names = sorted(atlas.strata, key=lambda name: (name != Heap.type, name))
-    known = {name: atlas.of_stratum(name) for name in names}
-    tests = [_test(strata()[name], found) for name, found in known.items() if found is not None]
+    known = {name: one for name in atlas.strata if (one := atlas.of_stratum(name)) is not None}
+    names = sorted(known, key=lambda name: (strata()[name].kind is not Heap, name))
+    tests = [_test(strata()[name], known[name]) for name in names]
     return package_page(
         "grainfit.atlas_page",
         tests=tests,

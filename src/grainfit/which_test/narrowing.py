@@ -33,7 +33,7 @@ from grainfit.which_test.determining_tests import (
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge, even_deviation
 from grainfit.which_test.slopes import Cloud
-from grainfit.which_test.told_by_atlas import as_dry_spheres, told_responses, untold_effects
+from grainfit.which_test.told_by_atlas import of_dry_spheres, told_responses, untold_effects
 
 #: Share of an interval above which a parameter counts as open: slopes are those of a straight line,
 #: so only wide intervals are worth a note.
@@ -107,10 +107,9 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     measured = problem.responses
     then = estimate.before.after(slopes, estimate.errors)
     seen = [name for name, width in widths.items() if width <= _OPEN]
-    spheres = as_dry_spheres(solvers, problem.middle)
     further = further_response(then, seen, solvers, measured, cloud)
     notes = (
-        *([messages.SLOPES_OF_DRY_SPHERES(tests=in_a_row(spheres))] if spheres else ()),
+        *of_dry_spheres(messages.SLOPES_OF_DRY_SPHERES, solvers, problem.middle),
         *([_note_on_untold(untold, widths, measured)] if untold else ()),
         *_notes(estimate, tests, measured, about="at least" if untold else "on average about"),
         *map(better_fixed, without_effect),

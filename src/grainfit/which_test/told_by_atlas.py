@@ -10,7 +10,9 @@ from grainfit.atlas.expectation import Expectation
 from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.response_info import ResponseInfo
+from grainfit.formatting import in_a_row
 from grainfit.materials.walls import plain_name
+from grainfit.messages import Message
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
 from grainfit.which_test.candidate import AccuracyOf, Candidate, CandidateResponse, seconds_of
@@ -110,3 +112,11 @@ def as_dry_spheres(solvers: Mapping[str, Solver], middle: Mapping[str, float]) -
             if not reading.has_own_particles:
                 found[reading.test.type] = None
     return list(found)
+
+
+def of_dry_spheres(
+    message: Message, solvers: Mapping[str, Solver], middle: Mapping[str, float]
+) -> list[str]:
+    """Return a sentence on the tests of `as_dry_spheres`; none without any."""
+    tests = as_dry_spheres(solvers, middle)
+    return [message(tests=in_a_row(tests))] if tests else []

@@ -14,7 +14,6 @@ from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.calibration_file.accuracies import Accuracies, accuracy_of, read_accuracies
 from grainfit.campaign.batch import ExpectedWork
 from grainfit.errors import InputError
-from grainfit.formatting import in_a_row
 from grainfit.one_thread import one_thread
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
@@ -25,7 +24,7 @@ from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
 from grainfit.which_test.simulation import Simulation
 from grainfit.which_test.slopes import Cloud
-from grainfit.which_test.told_by_atlas import as_dry_spheres, told_tests
+from grainfit.which_test.told_by_atlas import of_dry_spheres, told_tests
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
@@ -114,10 +113,9 @@ def advise(
     of_response = partial(_accuracy, given)
     if not simulate or not others.solvers:
         candidates, missing = told_tests(others.solvers, told, of_response)
-        spheres = as_dry_spheres(others.solvers, medians)
         remarks = (
             *filter(None, [own]),
-            *([messages.ATLAS_OF_DRY_SPHERES(tests=in_a_row(spheres))] if spheres else ()),
+            *of_dry_spheres(messages.ATLAS_OF_DRY_SPHERES, others.solvers, medians),
             *others.without(missing).remarks(),
         )
         return rank_tests(today, candidates, remarks)

@@ -26,7 +26,7 @@ from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.measurement_plan import MeasurementPlan, rank_combinations
 from grainfit.which_test.simulation import Simulation
 from grainfit.which_test.slopes import Cloud, corners
-from grainfit.which_test.told_by_atlas import as_dry_spheres, told_tests, untold_effects
+from grainfit.which_test.told_by_atlas import of_dry_spheres, told_tests, untold_effects
 
 #: Positions in the intervals that are simulated, on each side of the middle.
 _SIDE = 0.35
@@ -135,10 +135,9 @@ def _by_atlas(
     told = {candidate.name for candidate in found}
     nowhere = [name for name, tests in without.items() if {*tests} >= told]
     before = Knowledge.of_intervals(planned.file.parameters).without(nowhere)
-    spheres = as_dry_spheres(solvers, middle)
     remarks = [
         *compared.without(missing).remarks(),
-        *([messages.ATLAS_OF_DRY_SPHERES(tests=in_a_row(spheres))] if spheres else ()),
+        *of_dry_spheres(messages.ATLAS_OF_DRY_SPHERES, solvers, middle),
         *_remarks_on_untold(without, nowhere),
         *_remarks_on_own(planned, [c for c in found if c.name in planned.solvers], before, cloud),
     ]
