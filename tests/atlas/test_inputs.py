@@ -14,7 +14,7 @@ from grainfit.atlas.reading import NotInAtlasError, Reading
 from grainfit.atlas.strata import strata
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.varied_options import Range
-from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
@@ -103,6 +103,14 @@ def test_a_material_outside_of_the_rows_is_named_with_their_range() -> None:
 
     with pytest.raises(NotInAtlasError, match=r"sliding_friction is 0.001, .* 0.05 to 1.5"):
         _reading(HEAP).require_inside(outside)
+
+
+def test_clumps_may_be_as_round_as_spheres_and_no_longer_than_those_of_the_rows() -> None:
+    reading = Reading(gf.solvers.Lammps(gf.tests.Packing(CLUMPS), MATERIAL), {ASPECT_RATIO: 1.5})
+    reading.require_inside({ASPECT_RATIO: 1.0})
+    reading.require_inside({ASPECT_RATIO: 2.0})
+    with pytest.raises(NotInAtlasError, match=r"aspect_ratio is 2.2, .* 1 to 2"):
+        reading.require_inside({ASPECT_RATIO: 2.2})
 
 
 def test_stiffer_particles_than_those_of_the_rows_follow_the_trend() -> None:

@@ -176,11 +176,15 @@ class Reading:
         """
         values = {name: np.array([value]) for name, value in parameters.items()}
         inputs = self.inputs({**self._material, **values})
+        limit = self.stratum.particles.limit
         for (name, span), at in zip(self.ranges.items(), self.shares(values)[0], strict=True):
-            if name not in self._chosen and not -_SAME <= at <= span.limit + _SAME:
+            # Dry spheres are known, too.
+            low = min(limit.get(name, span.low), span.low)
+            is_inside = span.share(low) - _SAME <= at <= span.limit + _SAME
+            if name not in self._chosen and not is_inside:
                 value = float(np.asarray(inputs[name]).flat[0])
                 raise NotInAtlasError(
-                    messages.OUTSIDE(name=name, value=value, low=span.low, high=span.high)
+                    messages.OUTSIDE(name=name, value=value, low=low, high=span.high)
                 )
 
     @cached_property
