@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from unittest.mock import Mock
 
 import pytest
+from hypothesis import HealthCheck, settings
 from threadpoolctl import threadpool_limits
 
 from grainfit import one_thread
@@ -15,6 +16,12 @@ from grainfit import one_thread
 # container forbids to keep them: each start would compile all of grainfit again.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# How fast examples are drawn says how busy a machine is, and nothing of a test.
+settings.register_profile(
+    "busy machine", suppress_health_check=[HealthCheck.too_slow], deadline=None
+)
+settings.load_profile("busy machine")
 
 
 @pytest.fixture(scope="session", autouse=True)
