@@ -36,7 +36,7 @@ from grainfit.bulk_tests.shared.validity import (
     require_separate,
 )
 from grainfit.bulk_tests.size import scaled
-from grainfit.bulk_tests.varied_options import Range, VariedOptions
+from grainfit.bulk_tests.varied_options import OF_FLANKS, Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Found, check
 from grainfit.errors import Fault, NotMeasurableError, RunFailedError
@@ -122,6 +122,8 @@ class DrawDown(BulkTest):
         },
         wider={"floor_half_width": 2.0},
         indifferent=("shelf_thickness", "floor_half_width"),
+        particles=("cohesive",),
+        surface_energy=OF_FLANKS,
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
