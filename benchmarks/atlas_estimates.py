@@ -25,7 +25,7 @@ from statistics import median
 
 import numpy as np
 
-from atlas_rows import publish
+from atlas_rows import publish, write_rows
 from grainfit.atlas.estimate import Estimate, estimate_of
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas, rows_of
@@ -85,14 +85,13 @@ def table(folder: Path, names: Sequence[str]) -> Iterator[str]:
 
 def atlas_of(stratum: Stratum, rows: Sequence[Row], folder: Path) -> Atlas:
     """Return an atlas of some rows of a stratum, published in an empty folder."""
-    (folder / "rows").mkdir()
-    (folder / "atlas").mkdir()
-    source = folder / "rows"
+    source, place = folder / "rows", folder / "atlas"
+    source.mkdir()
+    place.mkdir()
     shutil.copy(rows_of(SHIPPED, stratum.kind.type), source)
-    text = "".join(f"{row.to_text()}\n" for row in rows)
-    rows_of(source, stratum.name).write_text(text)
-    list(publish(source, folder / "atlas"))
-    atlas = Atlas(folder / "atlas")
+    write_rows(rows, rows_of(source, stratum.name))
+    list(publish(source, place))
+    atlas = Atlas(place)
     assert atlas.of_stratum(stratum.name) is not None
     return atlas
 

@@ -181,6 +181,7 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
         Where the atlas is written.
     """
     contents: dict[str, Any] = {}
+    published: dict[str, list[Row]] = {}
     # A point that is no possible test was simulated by none.
     admitted = {*admitted_programs(), ""}
     for name, stratum in strata().items():
@@ -192,12 +193,12 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
                     "benchmarks/atlas_sentinels.py with it."
                 )
         rows = [row for row in rows if row.program in admitted]
-        if len(rows) < FEWEST_ROWS or stratum.kind.type not in {name, *contents}:
+        # Strata of dry spheres come first: their rows are a limit of the others'.
+        if len(rows) < FEWEST_ROWS or stratum.kind.type not in {name, *published}:
             continue
-        dry = rows_of(folder, stratum.kind.type)
-        surrogate = Surrogate(stratum, rows, rows_in(dry))
-        text = "".join(f"{row.to_text()}\n" for row in rows)
-        write_atomically(rows_of(folder, name), text)
+        published[name] = rows
+        surrogate = Surrogate(stratum, rows, published[stratum.kind.type])
+        write_rows(rows, rows_of(folder, name))
         write_atomically(
             models_of(folder, name), json.dumps(surrogate.to_plain(), separators=(",", ":"))
         )
@@ -205,7 +206,6 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
             "revision": revision_of(stratum.kind),
             "rows": hash_of(rows_of(folder, name)),
             "models": hash_of(models_of(folder, name)),
-            "dry": hash_of(dry),
             "count": len(rows),
             "solvers": _differences(stratum, surrogate, source, folder),
         }
@@ -224,9 +224,13 @@ def _differences(
         if solver != REFERENCE and path.exists():
             own = [row for row in rows_in(path) if is_of_today(stratum, row)]
             found[solver] = dict(differences_of(stratum, surrogate, own))
-            text = "".join(f"{row.to_text()}\n" for row in own)
-            write_atomically(rows_of(folder, stratum.name, solver), text)
+            write_rows(own, rows_of(folder, stratum.name, solver))
     return found
+
+
+def write_rows(rows: Sequence[Row], path: Path) -> None:
+    """Write the rows of `rows_in`."""
+    write_atomically(path, "".join(f"{row.to_text()}\n" for row in rows))
 
 
 def differences_of(

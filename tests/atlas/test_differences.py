@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.atlas_rows import publish
+from benchmarks.atlas_rows import publish, write_rows
 from grainfit.atlas.differences import FEWEST_PAIRS, Difference, difference, usual_difference
 from grainfit.atlas.forecast import Forecast
 from grainfit.atlas.row import rows_in
@@ -58,8 +58,7 @@ def _atlas_with_rows_of_liggghts(folder: Path, factor: float, count: int) -> Atl
         replace(row, responses={n: (factor * v, e) for n, (v, e) in row.responses.items()})
         for row in rows
     ]
-    text = "".join(f"{row.to_text()}\n" for row in others)
-    rows_of(source, "packing", "liggghts").write_text(text)
+    write_rows(others, rows_of(source, "packing", "liggghts"))
     list(publish(source, published))
     return Atlas(published)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.atlas_rows import OUTCOMES, admitted_programs, made, publish, record
+from benchmarks.atlas_rows import OUTCOMES, admitted_programs, made, publish, record, write_rows
 from benchmarks.sentinels import COUNT, compare, sentinels
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas
@@ -88,8 +88,7 @@ def test_the_rows_that_ship_are_of_admitted_programs() -> None:
 def test_rows_of_a_release_that_was_not_compared_are_not_published(tmp_path: Path) -> None:
     rows = rows_in(SHIPPED / "packing.jsonl")
     later = [replace(row, program=NEXT) for row in rows[:3]]
-    text = "".join(f"{row.to_text()}\n" for row in [*later, *rows[3:]])
-    (tmp_path / "packing.jsonl").write_text(text)
+    write_rows([*later, *rows[3:]], tmp_path / "packing.jsonl")
     (tmp_path / "published").mkdir()
 
     said = list(publish(tmp_path, tmp_path / "published"))

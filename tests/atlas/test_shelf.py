@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import grainfit as gf
-from benchmarks.atlas_rows import grow, is_of_today, made, publish
+from benchmarks.atlas_rows import grow, is_of_today, made, publish, write_rows
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
 from grainfit.atlas.row import Row, rows_in
@@ -41,8 +41,7 @@ def test_shipped_rows_were_simulated_in_the_apparatus_that_their_inputs_mean(nam
 def test_rows_of_another_apparatus_are_not_published(tmp_path: Path) -> None:
     rows = rows_in(SHIPPED / "packing.jsonl")
     other = replace(rows[0], inputs={**rows[0].inputs, "fill_height": 1.01})
-    text = "".join(f"{row.to_text()}\n" for row in [other, *rows[1:]])
-    (tmp_path / "packing.jsonl").write_text(text)
+    write_rows([other, *rows[1:]], tmp_path / "packing.jsonl")
     (tmp_path / "published").mkdir()
 
     assert list(publish(tmp_path, tmp_path / "published")) == [
@@ -117,6 +116,9 @@ def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -
     atlas = Atlas(folder)
 
     assert atlas.of_stratum("packing") is None
+    if damage in ("changed", "gone"):
+        # They are rows of its limit.
+        assert atlas.of_stratum("packing-clumps") is None
     if damage in ("changed", "gone", "revision"):
         assert "packing" in list(atlas.faults())
     else:

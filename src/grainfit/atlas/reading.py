@@ -89,9 +89,9 @@ class Reading:
             self._material = solver.run_parameters(parameters)
             of_test = _strata_of(test)
             cohesion = _cohesion(solver, self._material)
-            own = (one for one in of_test if _are(one.particles, test, cohesion))
-            self.stratum = next(own, of_test[0])
-            self.has_own_particles = _are(self.stratum.particles, test, cohesion)
+            own = [one for one in of_test if _are(one.particles, test, cohesion)]
+            self.has_own_particles = bool(own)
+            [self.stratum, *_] = own or of_test
             if not is_nearest:
                 if not self.has_own_particles:
                     raise NotInAtlasError(_other_particles(of_test, test, cohesion))
@@ -251,9 +251,14 @@ def _strata_of(test: BulkTest) -> list[Stratum]:
     return found
 
 
+def _models(solver: Solver) -> tuple[str, ...]:
+    """Return the contact models that replace the usual ones."""
+    return tuple(getattr(solver, "contact_models", ()))
+
+
 def _cohesion(solver: Solver, material: Mapping[str, float]) -> str:
     """Return the model of cohesion that acts; empty without one."""
-    law = contact_law(material, tuple(getattr(solver, "contact_models", ())))
+    law = contact_law(material, _models(solver))
     return "" if law.cohesion is None else law.cohesion.name
 
 
@@ -270,8 +275,7 @@ def _other_particles(of_test: Iterable[Stratum], test: BulkTest, cohesion: str) 
 
 
 def _require_told_law(solver: Solver, material: Mapping[str, float], walls: _Walls) -> None:
-    models = tuple(getattr(solver, "contact_models", ()))
-    if models:
+    if models := _models(solver):
         raise NotInAtlasError(messages.LAW(models=", ".join(models)))
     if material.get(_DAMPING, 0.0) > 0:
         raise NotInAtlasError(messages.DAMPING(name=_DAMPING, value=material[_DAMPING]))

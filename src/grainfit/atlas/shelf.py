@@ -12,7 +12,7 @@ from typing import Any
 from grainfit.atlas import messages
 from grainfit.atlas.differences import REFERENCE, Difference
 from grainfit.atlas.reading import NotInAtlasError
-from grainfit.atlas.row import rows_in
+from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.strata import strata
 from grainfit.atlas.surrogate import Surrogate
 from grainfit.bulk_tests.base import BulkTest
@@ -107,14 +107,19 @@ class Atlas:
         stratum, known = strata().get(name), self._strata.get(name)
         if stratum is None or known is None or known["revision"] != revision_of(stratum.kind):
             return None
-        paths = rows_of(self.folder, name), models_of(self.folder, name)
-        # Rows of dry spheres are a limit of some particles.
-        dry = rows_of(self.folder, stratum.kind.type)
-        kept = [known["rows"], known["models"], known["dry"]]
-        if kept != [hash_of(path) for path in (*paths, dry)]:
+        models = models_of(self.folder, name)
+        if hash_of(models) != known["models"]:
             return None
-        plain = json.loads(paths[1].read_text(encoding="utf-8"))
-        return Surrogate(stratum, rows_in(paths[0]), rows_in(dry), plain)
+        plain = json.loads(models.read_text(encoding="utf-8"))
+        dry = self._rows(stratum.kind.type) if stratum.particles.limit else []
+        return Surrogate(stratum, self._rows(name), dry, plain)
+
+    def _rows(self, name: str) -> list[Row]:
+        """Return the rows of a stratum; raise ValueError if they are not those of the contents."""
+        path = rows_of(self.folder, name)
+        if hash_of(path) != self._strata[name]["rows"]:
+            raise ValueError(name)
+        return rows_in(path)
 
 
 @cache

@@ -90,12 +90,11 @@ class Particles:
 
 
 _ENERGIES = ("particle_particle.surface_energy", "particle_wall.surface_energy")
-DRY_SPHERES = Particles("", "dry spheres", _FRICTIONS)
-#: All kinds of particles by name; of those with a name, there are rows of a few tests.
-PARTICLES: Mapping[str, Particles] = {
+_DRY_SPHERES = Particles("", "dry spheres", _FRICTIONS)
+#: All others by name, of which there are rows of a few tests.
+_PARTICLES: Mapping[str, Particles] = {
     one.name: one
     for one in (
-        DRY_SPHERES,
         Particles(
             "cohesive",
             "cohesive spheres (jkr)",
@@ -141,7 +140,7 @@ class Stratum:
     """
 
     kind: type[BulkTest]
-    particles: Particles = DRY_SPHERES
+    particles: Particles = _DRY_SPHERES
 
     @property
     def name(self) -> str:
@@ -222,4 +221,4 @@ def _strata() -> Iterator[Stratum]:
     for kind in bulk_tests().values():
         if isinstance(kind, InAtlas):
             yield Stratum(kind)
-            yield from (Stratum(kind, PARTICLES[name]) for name in kind.varied.particles)
+            yield from (Stratum(kind, _PARTICLES[name]) for name in kind.varied.particles)
