@@ -116,13 +116,22 @@ def test_a_damaged_or_foreign_atlas_tells_nothing(tmp_path: Path, damage: str) -
     atlas = Atlas(folder)
 
     assert atlas.of_stratum("packing") is None
-    if damage in ("changed", "gone"):
-        # They are rows of its limit.
-        assert atlas.of_stratum("packing-clumps") is None
     if damage in ("changed", "gone", "revision"):
         assert "packing" in list(atlas.faults())
     else:
         assert not atlas.is_readable
+
+
+def test_clumps_are_not_told_beside_other_rows_of_dry_spheres(tmp_path: Path) -> None:
+    folder = tmp_path / "atlas"
+    shutil.copytree(SHIPPED, folder)
+    first, *others = rows_in(folder / "packing.jsonl")
+    value, error = first.responses["bulk_density"]
+    denser = replace(first, responses={"bulk_density": (1.01 * value, error)})
+    write_rows([denser, *others], folder / "packing.jsonl")
+
+    assert Atlas().of_stratum("packing-clumps") is not None
+    assert Atlas(folder).of_stratum("packing-clumps") is None
 
 
 def test_an_estimate_names_a_damaged_atlas_and_goes_on_without_it(tmp_path: Path) -> None:
