@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from grainfit.analysis.analysis import Analysis
 from grainfit.arrays import Array
-from grainfit.bulk_tests.registry import curve_info
-from grainfit.formatting import plain, unit_for_people
+from grainfit.formatting import plain
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
+from grainfit.plots.curve_traces import (
+    LEGEND_ABOVE,
+    axis_of,
+    band,
+    coordinate_axis,
+    line,
+    measured_points,
+    single_runs,
+    title_of_curve,
+)
 from grainfit.plots.figure import Figure, no_figure
-from grainfit.plots.style import BLUE, GREEN, PURPLE, QUIET
+from grainfit.plots.style import PURPLE, QUIET
 from grainfit.problem import CurveTarget
-from grainfit.student import NORMAL_QUANTILE
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure as PlotlyFigure
 
 
-_BLUE_BAND = "rgba(31, 131, 196, 0.25)"
 #: Most simulated curves of each kind: more hide each other.
 _MOST_DRAWN = 30
 #: Points of the posterior whose expected curves make the band.
 _MOST_SAMPLES = 500
+#: Room above and below, over the height of what is shown.
+_ROOM = 0.15
 
 
 def curves(saved: SavedCalibration, analysis: Analysis | None = None) -> PlotlyFigure:
@@ -53,37 +62,30 @@ def curve_figures(saved: SavedCalibration, analysis: Analysis) -> dict[str, Figu
 
 
 def _figure(saved: SavedCalibration, analysis: Analysis, target: CurveTarget) -> Figure:
+    places = target.coordinates
     expected = saved.result.curves.get(target.name) if saved.result else None
-    band = _band(analysis, target)
-    traces = [
-        *_simulated(saved, target, verified=False),
-        *([] if band is None else _band_traces(target, *band)),
-        *_simulated(saved, target, verified=True),
-    ]
+    agreeing = _agreeing(analysis, target)
+    traces = _simulated(saved, target, verified=False)
+    shown = [*target.values]
+    if agreeing is not None:
+        low, high = (ends.tolist() for ends in agreeing)
+        name = "expected curves that agree with the measurements (95 %)"
+        traces.append(band(places, low, high, name))
+        shown += low + high
+    traces += _simulated(saved, target, verified=True)
     if expected is not None:
-        traces.append(_line(target, expected.expected, "expected at the answer"))
-    traces.append(_measured(target))
-    high = max(map(max, (target.values, *([band[1].tolist()] if band else []))))
-    low = min(map(min, (target.values, *([band[0].tolist()] if band else []))))
-    room = 0.15 * (high - low)
-    margin = 0.04 * (target.coordinates[-1] - target.coordinates[0])
+        traces.append(line(places, expected.expected, "expected at the answer"))
+    traces.append(measured_points(places, target.values, target.standard_uncertainties.tolist()))
+    room = _ROOM * (max(shown) - min(shown))
     return Figure(
         data=tuple(traces),
         layout={
-            "xaxis": {
-                "title": {"text": _axis(target.coordinate or "coordinate", target.coordinate_unit)},
-                "range": [
-                    target.coordinates[0] - margin,
-                    target.coordinates[-1] + margin,
-                ],
-                "zeroline": False,
-            },
+            "xaxis": coordinate_axis(target.coordinate, target.coordinate_unit, places),
             "yaxis": {
-                "title": {"text": _axis(_title(target.name), target.unit)},
-                "range": [low - room, high + room],
-                "zeroline": False,
+                **axis_of(title_of_curve(target.name), target.unit),
+                "range": [min(shown) - room, max(shown) + room],
             },
-            "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0},
+            "legend": LEGEND_ABOVE,
             "hovermode": "closest",
         },
         description=(
@@ -95,17 +97,7 @@ def _figure(saved: SavedCalibration, analysis: Analysis, target: CurveTarget) ->
     )
 
 
-def _title(name: str) -> str:
-    info = curve_info(name.rpartition(".")[2])
-    return plain(name) if info is None else info.description.partition(":")[0]
-
-
-def _axis(words: str, unit: str) -> str:
-    shown = unit_for_people(unit)
-    return f"{plain(words)} ({shown})" if shown else plain(words)
-
-
-def _band(analysis: Analysis, target: CurveTarget) -> tuple[Array, Array] | None:
+def _agreeing(analysis: Analysis, target: CurveTarget) -> tuple[Array, Array] | None:
     """Return 95 % of the expected curves of the posterior; None without one."""
     posterior, metamodels = analysis.posterior, analysis.metamodels
     if posterior is None or metamodels is None:
@@ -122,53 +114,6 @@ def _band(analysis: Analysis, target: CurveTarget) -> tuple[Array, Array] | None
     return low, high
 
 
-def _band_traces(target: CurveTarget, low: Array, high: Array) -> list[Mapping[str, Any]]:
-    places = list(target.coordinates)
-    return [
-        {
-            "type": "scatter",
-            "mode": "lines",
-            "name": "expected curves that agree with the measurements (95 %)",
-            "x": [*places, *reversed(places)],
-            "y": [*high.tolist(), *reversed(low.tolist())],
-            "fill": "toself",
-            "fillcolor": _BLUE_BAND,
-            "line": {"width": 0},
-            "hoverinfo": "skip",
-        }
-    ]
-
-
-def _line(target: CurveTarget, values: Sequence[float], name: str) -> Mapping[str, Any]:
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": name,
-        "x": list(target.coordinates),
-        "y": list(values),
-        "line": {"color": BLUE, "width": 2.5},
-    }
-
-
-def _measured(target: CurveTarget) -> Mapping[str, Any]:
-    half = NORMAL_QUANTILE * target.standard_uncertainties
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "name": "measured, with 95 % intervals",
-        "x": list(target.coordinates),
-        "y": list(target.values),
-        "error_y": {
-            "type": "data",
-            "array": half.tolist(),
-            "thickness": 1,
-            "width": 3,
-            "color": GREEN,
-        },
-        "marker": {"color": GREEN, "symbol": "circle", "size": 7},
-    }
-
-
 def _simulated(
     saved: SavedCalibration, target: CurveTarget, *, verified: bool
 ) -> list[Mapping[str, Any]]:
@@ -182,22 +127,5 @@ def _simulated(
     if not found:
         return []
     color, width, name = (PURPLE, 1.2, "fresh seeds") if verified else (QUIET, 0.7, "other runs")
-    return [
-        {
-            "type": "scatter",
-            "mode": "lines",
-            "name": name,
-            "x": list(_joined(curve.coordinates for curve in found[:_MOST_DRAWN])),
-            "y": list(_joined(curve.values for curve in found[:_MOST_DRAWN])),
-            "line": {"color": color, "width": width},
-            "opacity": 0.8,
-            "hoverinfo": "skip",
-        }
-    ]
-
-
-def _joined(parts: Iterable[Sequence[float]]) -> Iterable[float | None]:
-    """Yield the numbers of all parts, with a gap after each."""
-    for part in parts:
-        yield from part
-        yield None
+    runs = ((curve.coordinates, curve.values) for curve in found[:_MOST_DRAWN])
+    return [single_runs(runs, name, color, width)]
