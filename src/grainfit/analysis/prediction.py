@@ -19,7 +19,7 @@ from grainfit.result import HoldoutResponse
 from grainfit.verdict.holdout import judge_prediction
 from grainfit.verdict.options import HOLDOUT
 
-_POINTS_OF_PRIOR = 1024
+POINTS_OF_PRIOR = 1024
 #: Bisections of a quantile: each halves its error.
 _BISECTIONS = 60
 #: Smallest standard error, over the size of the responses: of a model without any scatter.
@@ -82,10 +82,8 @@ def predict_response(
     values = np.array([e.responses[name].value for e in runs.all if name in e.responses])
     size = float(np.abs(values).max(initial=0.0)) or 1.0
     with one_thread():
-        models = Metamodels.fit(
-            replace(problem, targets=[_neutral(name, values, target)]), runs.all
-        )
-        before, _ = models.predict(qmc.Sobol(problem.dimension, rng=1).random(_POINTS_OF_PRIOR))
+        models = Metamodels.fit(problem.with_targets([_neutral(name, values, target)]), runs.all)
+        before, _ = models.predict(qmc.Sobol(problem.dimension, rng=1).random(POINTS_OF_PRIOR))
         means, variances = (found[:, 0] for found in models.predict(sample))
     errors = np.sqrt(np.maximum(variances, (_ROUNDING * size) ** 2))
     tail = (1 - HOLDOUT.confidence) / 2

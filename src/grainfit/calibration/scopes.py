@@ -150,7 +150,7 @@ def restricted_to_used(problem: Problem, solver: Solver) -> tuple[Problem, Solve
     if not used:
         raise InputError(messages.IDLE_TEST.fault(""))
     kept = [parameter for parameter in problem.parameters if parameter.name in used]
-    without = Problem(kept, problem.targets)
+    without = Problem(kept, problem.targets, curves=problem.curves)
     return without, _without(solver, set(names).difference(used))
 
 
