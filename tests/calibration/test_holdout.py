@@ -352,7 +352,7 @@ def test_faults_of_a_hold_out_name_its_line(tmp_path: Path) -> None:
     same = HELD.replace('"drum"', '"heap"').replace("FLOW", "10")
     assert "line 11, holdout[0].name" in fault(FILE, same)
     curve = HELD.partition("targets")[0] + 'targets.flow = { curve = "flow.csv" }\n'
-    assert of_calibration_file.HOLDOUT_CURVE.is_in(fault(FILE, curve))
+    assert of_calibration_file.NO_UNCERTAINTY_OF_CURVE.is_in(fault(FILE, curve))
     wrong = HELD.replace("model.py:drum", "7").replace("FLOW", "10")
     assert "holdout[0].function" in fault(FILE, wrong)
 

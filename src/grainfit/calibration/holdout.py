@@ -22,7 +22,7 @@ from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.one_line import OneLine
-from grainfit.problem import Problem, Target
+from grainfit.problem import CurveTarget, Problem, Target
 from grainfit.result import HoldoutResult, Registration
 from grainfit.result.holdout import Basis
 from grainfit.run_definition import identity_of
@@ -51,12 +51,14 @@ class Holdout(OneLine):
     solver : Solver or callable
         As of `grainfit.calibrate`.
     targets : sequence of Target
-        What was measured, by the names of the responses. Without any, the responses are predicted
-        and compared with nothing.
+        What was measured, by the names of the responses. Without any, and without curves, the
+        responses are predicted and compared with nothing.
     repeats : int
         Runs with different seeds whose mean is one evaluation.
     timeout : float, optional
         Longest wall time of a run, s; by default that of the solver.
+    curves : sequence of CurveTarget
+        Measured curves, by the names of the responses.
     """
 
     name: str
@@ -64,6 +66,7 @@ class Holdout(OneLine):
     targets: Sequence[Target] = ()
     repeats: int = 1
     timeout: float | None = None
+    curves: Sequence[CurveTarget] = ()
 
     @property
     def model(self) -> Solver:
@@ -73,9 +76,14 @@ class Holdout(OneLine):
         return PythonCallable(self.solver)
 
     @property
+    def measured(self) -> tuple[Target | CurveTarget, ...]:
+        """All that was measured, numbers first."""
+        return (*self.targets, *self.curves)
+
+    @property
     def needed(self) -> set[str]:
         """Responses that every run must give; empty for all of its solver."""
-        return {target.name for target in self.targets}
+        return {target.name for target in self.measured}
 
 
 @dataclass(frozen=True)
@@ -175,11 +183,16 @@ def require_holdouts(problem: Problem, tests: Sequence[str], holdouts: Sequence[
 
 
 def _faults(problem: Problem, holdout: Holdout) -> Iterator[Fault]:
+    try:
+        if holdout.targets or holdout.curves:
+            Problem(problem.parameters, holdout.targets, curves=holdout.curves)
+    except InputError as error:
+        yield from error.faults
+        return
     known = holdout.model.response_names
-    for target in holdout.targets:
-        if known is not None and target.name not in known:
-            name = {"name": target.name, "responses": ", ".join(sorted(known))}
-            yield messages.HOLDOUT_WITHOUT_RESPONSE.fault("", **name)
+    for name in sorted(holdout.needed.difference(known or holdout.needed)):
+        responses = ", ".join(sorted(known or ()))
+        yield messages.HOLDOUT_WITHOUT_RESPONSE.fault("", name=name, responses=responses)
     try:
         own, solver = restricted_to_used(problem, holdout.model)
     except InputError as error:
@@ -217,6 +230,7 @@ def predict_holdout(
     if (draws := file.draws(material.key)) is None:
         file.keep(draws := material.draws())
     # Imports SciPy's distributions, which a calibration file is read without.
+    from grainfit.analysis.curve_prediction import predict_curve
     from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
 
     own, solver = restricted_to_used(material.problem, holdout.model)
@@ -237,15 +251,16 @@ def predict_holdout(
     measured = {target.name: target for target in holdout.targets}
     given = dict.fromkeys(sorted({name for one in parts.all for name in one.responses}))
     try:
-        if not (measured or given):
+        if not (holdout.needed or given):
             raise RunFailedError("; ".join(_reasons(parts.all)))
         found = {
             name: predict_response(own, name, parts, sample, target, _unit(solver, name))
-            for name, target in (measured or given).items()
+            for name, target in (measured if holdout.needed else given).items()
         }
-    except RunFailedError as error:
+        curves = {one.name: predict_curve(own, one, parts, sample) for one in holdout.curves}
+    except (RunFailedError, InputError) as error:
         return replace(ended, state="failed", why=str(error))
-    return replace(ended, responses=found)
+    return replace(ended, responses=found, curves=curves)
 
 
 def _reasons(evaluations: Sequence[Evaluation]) -> list[str]:

@@ -72,7 +72,8 @@ class HoldoutsAfter:
         finished = sum(state == "finished" for state in runs.states().values())
         text = "" if options.provenance is None else options.provenance.text
         self._registrations = {
-            one.name: self._file.register(one.name, one.targets, text, finished) for one in holdouts
+            one.name: self._file.register(one.name, one.measured, text, finished)
+            for one in holdouts
         }
 
     def _make(self, holdout: Holdout, solver: Solver) -> Campaign:
@@ -180,7 +181,7 @@ def options_of_holdout(
     return replace(
         usual,
         timeouts={name: limit for name, limit in limits.items() if limit < math.inf},
-        needed={holdout.name: holdout.needed} if holdout.targets else {},
+        needed={holdout.name: holdout.needed} if holdout.needed else {},
         repeats={holdout.name: holdout.repeats},
         ratios={},
     )

@@ -18,7 +18,7 @@ from grainfit.calibration import messages
 from grainfit.errors import StoreError
 from grainfit.files import LARGEST_RESULT, read_within, write_atomically, writing
 from grainfit.plain_data import parse_json, read_plain
-from grainfit.problem import Target
+from grainfit.problem import CurveTarget, Target
 from grainfit.result import Registration
 
 HOLDOUTS_NAME = "holdouts.json"
@@ -99,7 +99,7 @@ class HoldoutFile:
             raise StoreError(messages.HOLDOUTS_DAMAGED(path=str(path), why=error)) from error
 
     def register(
-        self, test: str, targets: Sequence[Target], file_text: str, runs: int
+        self, test: str, targets: Sequence[Target | CurveTarget], file_text: str, runs: int
     ) -> Registration | None:
         """Register the targets of a hold-out, unless they are the last ones registered.
 
@@ -107,7 +107,7 @@ class HoldoutFile:
         ----------
         test : str
             Name of the hold-out.
-        targets : sequence of Target
+        targets : sequence of Target or CurveTarget
             Its targets; without any, nothing is registered.
         file_text : str
             Text of the calibration file; empty without one.
@@ -162,9 +162,12 @@ class HoldoutFile:
             write_atomically(path, json.dumps(asdict(content), indent=1) + "\n")
 
 
-def hash_of_targets(targets: Sequence[Target]) -> str:
+def hash_of_targets(targets: Sequence[Target | CurveTarget]) -> str:
     """Return the SHA-256 of targets: values and uncertainties by name, as sorted JSON."""
     data: dict[str, Any] = {
-        target.name: [target.value, target.standard_uncertainty, target.unit] for target in targets
+        target.name: target.to_json()
+        if isinstance(target, CurveTarget)
+        else [target.value, target.standard_uncertainty, target.unit]
+        for target in targets
     }
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()

@@ -461,7 +461,12 @@ def build_holdouts(
     solvers = _solvers_of(file, chosen, "holdout" if tests is None else "test")
     return tuple(
         Holdout(
-            test.name, solvers[test.name], test.targets, test.repeats, test.options.get("timeout")
+            test.name,
+            solvers[test.name],
+            test.targets,
+            test.repeats,
+            test.options.get("timeout"),
+            test.curves,
         )
         for test in chosen
     )

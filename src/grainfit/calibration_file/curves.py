@@ -182,7 +182,6 @@ class RefusedCurve(Kind):
 
 
 PLANNED_CURVE = RefusedCurve(messages.PLANNED_CURVE)
-HOLDOUT_CURVE = RefusedCurve(messages.HOLDOUT_CURVE)
 CURVE_OF_TABLE = RefusedCurve(messages.CURVE_OF_TABLE)
 
 

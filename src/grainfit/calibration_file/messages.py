@@ -264,10 +264,6 @@ PLANNED_CURVE = Message(
     "is a curve, and tests are compared by single responses only.",
     "Leave it out of the file from which tests are chosen.",
 )
-HOLDOUT_CURVE = Message(
-    "is a curve, and hold-outs are compared by single responses only.",
-    "Take a response of the test that is a number.",
-)
 CURVE_OF_TABLE = Message(
     "is a curve, and a recorded table holds single numbers only.",
     "Give a value that a column of the table can be compared with.",

@@ -276,7 +276,7 @@ def holdout_line(holdout: Holdout, problem: Problem, workers: int) -> str:
     runs = sets * holdout.repeats
     cost = holdout.model.estimate_cost(problem.middle)
     time = "" if cost is None else f", about {duration(runs * cost.wall_seconds / workers)}"
-    known = messages.HOLDOUT_MEASURED if holdout.targets else messages.HOLDOUT_UNMEASURED
+    known = messages.HOLDOUT_MEASURED if holdout.measured else messages.HOLDOUT_UNMEASURED
     return messages.HOLDOUT_LINE(
         test=holdout.name,
         runs=counted(runs, "run"),

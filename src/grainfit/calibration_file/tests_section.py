@@ -19,7 +19,6 @@ from grainfit.calibration_file.content import TestSpecification
 from grainfit.calibration_file.curves import (
     CURVE_EXAMPLE,
     CURVE_OF_TABLE,
-    HOLDOUT_CURVE,
     PLANNED_CURVE,
     CurveTable,
     OwnTarget,
@@ -45,7 +44,7 @@ from grainfit.options.kinds import (
 )
 from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Named, Table, Values
-from grainfit.problem import CurveTarget
+from grainfit.problem import CurveTarget, Target
 from grainfit.problem.correlations import Correlation, correlation_faults
 from grainfit.solvers.file_entry import TestType
 from grainfit.solvers.other_names import instead_of_test
@@ -108,9 +107,9 @@ def _homes(names: Callable[[type[BulkTest]], Iterable[str]]) -> dict[str, str]:
 def _targets(kind: TestType, use: Use, written: Mapping[str, Any]) -> tuple[Kind, str]:
     """Return the layout of a test's targets, and an example."""
     test, table = kind.bulk_test, PlannedTargetTable if use == "plan" else TargetTable
-    refused = _REFUSED_CURVES[use]
+    refused = PLANNED_CURVE if use == "plan" else CURVE_OF_TABLE
     if test is None or not test.responses:
-        allowed = kind.has_curves and use == "fit"
+        allowed = kind.has_curves and use != "plan"
         curve: CurveTable | RefusedCurve = CurveTable() if allowed else refused
         return Named(OwnTarget(table(), curve), shortest=1), _OWN_EXAMPLE
 
@@ -128,7 +127,7 @@ def _targets(kind: TestType, use: Use, written: Mapping[str, Any]) -> tuple[Kind
     curves = tuple(
         Key(
             name,
-            of_curve(name, info) if use == "fit" else refused,
+            refused if use == "plan" else of_curve(name, info),
             f"{info.words}.",
             example=CURVE_EXAMPLE,
         )
@@ -159,14 +158,21 @@ def _or_measured(
     return OrMeasured(otherwise, measured) if measured else otherwise
 
 
-def _set_for_curves(
-    needed: Mapping[str, str], curves: Sequence[CurveTarget], values: Values, place: Place
-) -> None:
-    """Set the options that measured curves need; note one that has another value."""
+def _numbers_and_curves(
+    kind: TestType, targets: Mapping[str, Any], values: Values, place: Place
+) -> tuple[tuple[Target, ...], tuple[CurveTarget, ...]]:
+    """Return both kinds of targets, and set the options that measured curves need.
+
+    An option that has another value is noted.
+    """
+    curves = tuple(target for target in targets.values() if isinstance(target, CurveTarget))
+    numbers = tuple(target for target in targets.values() if not isinstance(target, CurveTarget))
+    needed = kind.bulk_test.curve_options if curves and kind.bulk_test is not None else {}
     for name, value in needed.items():
         if values.get(name) not in (None, value):
             place.at(name).fault(messages.CURVE_NEEDS, curve=curves[0].name, name=name, value=value)
         values[name] = value
+    return numbers, curves
 
 
 def _specification(kind: TestType, values: Values, place: Place) -> TestSpecification | None:
@@ -178,21 +184,18 @@ def _specification(kind: TestType, values: Values, place: Place) -> TestSpecific
     if not targets or None in values.values() or None in targets.values():
         return None
     correlations = values.pop(CORRELATIONS.name, ())
-    curves = [target for target in targets.values() if isinstance(target, CurveTarget)]
-    numbers = [target for target in targets.values() if not isinstance(target, CurveTarget)]
+    numbers, curves = _numbers_and_curves(kind, targets, values, place)
     names = [target.name for target in numbers]
     if note_bad_correlations(correlations, names, place.at(CORRELATIONS.name)):
         return None
-    if curves and kind.bulk_test is not None:
-        _set_for_curves(kind.bulk_test.curve_options, curves, values, place)
     name, repeats = values.pop("name", values["type"]), values.pop(_REPEATS.name, 1)
     return TestSpecification(
         name,
         values.pop("type"),
         values,
-        tuple(numbers),
+        numbers,
         correlations=correlations,
-        curves=tuple(curves),
+        curves=curves,
         repeats=repeats,
     )
 
@@ -221,12 +224,12 @@ def _holdout(kind: TestType, values: Values, place: Place) -> TestSpecification 
     if targets is None or None in values.values() or None in targets.values():
         return None
     name, repeats = values.pop("name", values["type"]), values.pop(_REPEATS.name, 1)
-    numbers = tuple(targets.values())
-    return TestSpecification(name, values.pop("type"), values, numbers, repeats=repeats)
+    numbers, curves = _numbers_and_curves(kind, targets, values, place)
+    type_ = values.pop("type")
+    return TestSpecification(name, type_, values, numbers, curves=curves, repeats=repeats)
 
 
 _READERS = {"fit": _specification, "plan": _planned, "holdout": _holdout}
-_REFUSED_CURVES = {"fit": CURVE_OF_TABLE, "plan": PLANNED_CURVE, "holdout": HOLDOUT_CURVE}
 
 
 @dataclass(frozen=True)

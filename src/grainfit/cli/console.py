@@ -109,8 +109,8 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
 def print_holdouts(console: Console, holdouts: Iterable[HoldoutResult]) -> None:
     """Print the predictions of tests that took no part in the fit."""
     for one in holdouts:
-        verdicts = [found.verdict or "" for found in one.responses.values()]
-        # Those of the responses come first.
+        verdicts = [found.verdict or "" for found in one.predictions.values()]
+        # Those of the predictions come first.
         for number, sentence in enumerate(one.sentences()):
             style = "yellow"
             if number < len(verdicts):

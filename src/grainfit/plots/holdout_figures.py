@@ -10,9 +10,10 @@ from grainfit.formatting import plain
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
+from grainfit.plots.holdout_curve import holdout_curve
 from grainfit.plots.labels import Label, response_label
 from grainfit.plots.style import BLUE, GREEN, QUIET
-from grainfit.result import HoldoutResponse, Result
+from grainfit.result import HoldoutCurve, HoldoutResponse, Result
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -42,15 +43,19 @@ def holdout(saved: SavedCalibration) -> PlotlyFigure:
 
 
 def holdout_figures(result: Result) -> dict[tuple[str, str], Figure]:
-    """Return one figure for each predicted response, by test and name."""
+    """Return one figure for each prediction, by test and name."""
     return {
-        (one.test, name): _figure(holdout_label(one.test, name, found), found)
+        (one.test, name): _drawn(holdout_label(one.test, name, found), found)
         for one in result.holdouts
-        for name, found in one.responses.items()
+        for name, found in one.predictions.items()
     }
 
 
-def holdout_label(test: str, name: str, found: HoldoutResponse) -> Label:
+def _drawn(label: Label, found: HoldoutResponse | HoldoutCurve) -> Figure:
+    return holdout_curve(label, found) if isinstance(found, HoldoutCurve) else _figure(label, found)
+
+
+def holdout_label(test: str, name: str, found: HoldoutResponse | HoldoutCurve) -> Label:
     """Return the label of a response of a hold-out."""
     return response_label(f"{test}.{name}", found.unit)
 

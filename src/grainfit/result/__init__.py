@@ -1,6 +1,6 @@
 """Result of a calibration, and its parts."""
 
-from grainfit.result.holdout import HoldoutResponse, HoldoutResult, Registration
+from grainfit.result.holdout import HoldoutCurve, HoldoutResponse, HoldoutResult, Registration
 from grainfit.result.parts import (
     CurveResult,
     MetamodelQuality,
@@ -15,6 +15,7 @@ from grainfit.result.result import Result, damaged_result
 
 __all__ = [
     "CurveResult",
+    "HoldoutCurve",
     "HoldoutResponse",
     "HoldoutResult",
     "MetamodelQuality",

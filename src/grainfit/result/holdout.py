@@ -8,6 +8,7 @@ from typing import Literal
 
 from grainfit.formatting import (
     counted,
+    on_curve,
     plain_ends,
     plain_interval,
     plain_probability,
@@ -116,6 +117,95 @@ class HoldoutResponse(OneLine):
 
 
 @dataclass(frozen=True)
+class HoldoutCurve(OneLine):
+    """A curve that took no part in the fit: what is expected, and what was measured.
+
+    All tuples have one entry for each measured point. A band is as many standard deviations wide
+    everywhere, so that 95 % of the curves lie within it wholly.
+
+    Parameters
+    ----------
+    coordinate, coordinate_unit, unit : str
+        Name and unit of the coordinate, and unit of the values.
+    coordinates : tuple of float
+        Measured coordinates.
+    predicted, standard_errors : tuple of float
+        Expected curve, the mean over seeds, and its standard errors by the uncertainty of the
+        parameters and of the runs.
+    low, high : tuple of float
+        Band of the curves as they could have been measured.
+    prior_low, prior_high : tuple of float
+        Band of the expected curves over the intervals of the parameters.
+    at_answer : tuple of tuple of float
+        Curves of the runs at the answer.
+    measured, uncertainties : tuple of float
+        Measured values and their standard uncertainties.
+    probability : float
+        Probability of a measured curve whose farthest point is as far from the prediction, in
+        standard deviations, if this is right.
+    verdict : {"predicts", "does not predict", "does not tell"}
+        As of a response.
+    """
+
+    coordinate: str
+    coordinate_unit: str
+    unit: str
+    coordinates: tuple[float, ...]
+    predicted: tuple[float, ...]
+    standard_errors: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    prior_low: tuple[float, ...]
+    prior_high: tuple[float, ...]
+    at_answer: tuple[tuple[float, ...], ...]
+    measured: tuple[float, ...]
+    uncertainties: tuple[float, ...]
+    probability: float
+    verdict: HoldoutVerdict
+
+    @property
+    def share_of_prior(self) -> float:
+        """Mean width of the band, over that before the calibration."""
+        before = sum(self.prior_high) - sum(self.prior_low)
+        return (sum(self.high) - sum(self.low)) / before
+
+    @property
+    def deviations(self) -> tuple[float, ...]:
+        """Deviations of the measured points from the middle of the band, over half its width."""
+        ends = zip(self.low, self.high, strict=True)
+        return tuple(
+            (2 * value - low - high) / (high - low)
+            for value, (low, high) in zip(self.measured, ends, strict=True)
+        )
+
+    @property
+    def farthest(self) -> int:
+        """Position of the measured point that deviates most."""
+        off = [abs(one) for one in self.deviations]
+        return off.index(max(off))
+
+    def in_words(self, name: str) -> str:
+        """Return prediction, farthest measured point and verdict in sentences."""
+        at, unit = self.farthest, unit_for_people(self.unit)
+        half = NORMAL_QUANTILE * self.uncertainties[at]
+        said = {
+            "name": name,
+            "points": counted(len(self.measured), "point"),
+            "place": on_curve(self.coordinates[at], self.coordinate, self.coordinate_unit),
+            "measured": with_unit(plain_interval(self.measured[at], half), unit),
+            "interval": with_unit(plain_ends(self.low[at], self.high[at]), unit),
+        }
+        share = f"{self.share_of_prior:.2g}"
+        if self.verdict == "does not tell":
+            return messages.HOLDOUT_CURVE_TELLS_NOTHING(**said, share=share)
+        said["probability"] = plain_probability(self.probability)
+        if self.verdict == "predicts":
+            return messages.HOLDOUT_CURVE_PREDICTED(**said, share=share)
+        outside = sum(abs(one) > 1 for one in self.deviations)
+        return messages.HOLDOUT_CURVE_REFUTED(**said, outside=outside)
+
+
+@dataclass(frozen=True)
 class HoldoutResult(OneLine):
     """Prediction of a test that took no part in the calibration.
 
@@ -136,6 +226,8 @@ class HoldoutResult(OneLine):
         Number of its runs, and of those that failed.
     why : str
         Reason where it failed.
+    curves : mapping of str to HoldoutCurve
+        By name of the measured curve.
     """
 
     test: str
@@ -146,9 +238,15 @@ class HoldoutResult(OneLine):
     runs: int = 0
     failed: int = 0
     why: str = ""
+    curves: Mapping[str, HoldoutCurve] = field(default_factory=dict)
+
+    @property
+    def predictions(self) -> dict[str, HoldoutResponse | HoldoutCurve]:
+        """All that was predicted, numbers first."""
+        return {**self.responses, **self.curves}
 
     def sentences(self) -> Iterator[str]:
-        """Yield what is to be said of it, a sentence for each response first."""
+        """Yield what is to be said of it, each prediction first."""
         match self.state:
             case "pending":
                 yield messages.HOLDOUT_PENDING(test=self.test)
@@ -158,11 +256,11 @@ class HoldoutResult(OneLine):
                 yield messages.HOLDOUT_NOT_CALIBRATED(test=self.test)
             case "failed":
                 yield messages.HOLDOUT_FAILED(test=self.test, why=self.why)
-        for name, found in self.responses.items():
+        for name, found in self.predictions.items():
             yield found.in_words(f"{self.test}.{name}")
-        if self.responses and self.basis == "intervals":
+        if self.predictions and self.basis == "intervals":
             yield messages.HOLDOUT_OF_INTERVALS(test=self.test)
-        if self.responses and self.basis == "values":
+        if self.predictions and self.basis == "values":
             yield messages.HOLDOUT_OF_VALUES(test=self.test)
         yield from self._about_registration()
 

@@ -195,11 +195,14 @@ HOLDOUT_PREDICTS = Message(
     "a value as far off has a probability of {probability}. The intervals of the parameters allow "
     "{prior}."
 )
+_OTHER_CAUSE = (
+    "What the fitted tests do not show matters there: the apparatus, the contact law, the shape or "
+    "a parameter that is fixed."
+)
 HOLDOUT_REFUTED = Message(
     "{name}, which was not fitted, is not predicted: {measured} was measured, but {interval} "
     "expected; a value as far off has a probability of {probability}.",
-    "What the fitted tests do not show matters there: the apparatus, the contact law, the shape or "
-    "a parameter that is fixed.",
+    _OTHER_CAUSE,
 )
 HOLDOUT_TELLS_NOTHING = Message(
     "{name}, which was not fitted, tells nothing: {measured} was measured and {interval} expected, "
@@ -208,6 +211,23 @@ HOLDOUT_TELLS_NOTHING = Message(
 HOLDOUT_EXPECTED = Message(
     "{name} is expected at {predicted}, within {interval} (95 %). The intervals of the parameters "
     "allow {prior}."
+)
+HOLDOUT_CURVE_PREDICTED = Message(
+    "{name}, which was not fitted, is predicted: its {points} lie within the band that holds 95 % "
+    "of the expected curves. Farthest off at {place}: {measured} was measured and {interval} "
+    "expected; a curve as far off has a probability of {probability}. The band is {share} times as "
+    "wide as what the intervals of the parameters allow."
+)
+HOLDOUT_CURVE_REFUTED = Message(
+    "{name}, which was not fitted, is not predicted: of its {points}, {outside} lie outside the "
+    "band that holds 95 % of the expected curves. Farthest off at {place}: {measured} was "
+    "measured, but {interval} expected; a curve as far off has a probability of {probability}.",
+    _OTHER_CAUSE,
+)
+HOLDOUT_CURVE_TELLS_NOTHING = Message(
+    "{name}, which was not fitted, tells nothing: its {points} lie within the band that holds 95 % "
+    "of the expected curves, but this is {share} times as wide as what the intervals of the "
+    "parameters allow. At {place}, {measured} was measured and {interval} expected."
 )
 HOLDOUT_PENDING = Message("Hold-out {test}: not simulated yet.")
 HOLDOUT_INTERRUPTED = Message(

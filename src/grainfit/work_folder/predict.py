@@ -144,7 +144,9 @@ def predict(
         file = HoldoutFile(folder)
         finished = sum(state == "finished" for state in store.states().values())
         text = setup.provenance.text
-        known = {one.name: file.register(one.name, one.targets, text, finished) for one in holdouts}
+        known = {
+            one.name: file.register(one.name, one.measured, text, finished) for one in holdouts
+        }
 
         def make(holdout: Holdout, solver: Solver) -> Campaign:
             limited = options_of_holdout(holdout, material.problem, making)

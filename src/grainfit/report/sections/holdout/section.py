@@ -8,7 +8,7 @@ from grainfit.formatting import plain
 from grainfit.plots.holdout_figures import holdout_figures, holdout_label
 from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
-from grainfit.result import HoldoutResponse, HoldoutResult, Registration
+from grainfit.result import HoldoutCurve, HoldoutResponse, HoldoutResult, Registration
 
 _KEY, _TITLE = "holdout", "Tests that were not fitted"
 _MARKS = {"predicts": "good", "does not predict": "bad", "does not tell": "warn"}
@@ -50,13 +50,13 @@ def holdout(context: ReportContext) -> Section | None:
 
 def _shown(one: HoldoutResult, keys: dict[tuple[str, str], str]) -> ShownHoldout:
     rows = tuple(
-        _row(one.test, name, found, keys[one.test, name]) for name, found in one.responses.items()
+        _row(one.test, name, found, keys[one.test, name]) for name, found in one.predictions.items()
     )
     notes = tuple(map(plain, one.sentences()))[len(rows) :]
     return ShownHoldout(plain(one.test), rows, notes, one.registration)
 
 
-def _row(test: str, name: str, found: HoldoutResponse, figure: str) -> HoldoutRow:
+def _row(test: str, name: str, found: HoldoutResponse | HoldoutCurve, figure: str) -> HoldoutRow:
     label = holdout_label(test, name, found)
     grade = _MARKS[found.verdict] if found.verdict else ""
     mark = f"{_SIGNS[grade]} {found.verdict}" if grade else ""
