@@ -44,6 +44,7 @@ from grainfit.metamodels.predictor import (
     Trend,
 )
 from grainfit.metamodels.relative_prior import RATIOS, RelativeModel, RelativePrior
+from grainfit.metamodels.stacked_components import StackedComponents
 from grainfit.one_line import OneLine
 from grainfit.one_thread import one_thread
 
@@ -351,13 +352,25 @@ class Kriging(OneLine):
             As `predict`.
         """
         points = checked("points", points, (None, self.d))
-        means = np.array([component.mean(points) for component in self._components])
+        if self._is_stacked(points):
+            means = self._stacked.means(points)
+        else:
+            means = np.array([component.mean(points) for component in self._components])
         return np.asarray(self._offset + self._scale * (self._weights @ means))
 
     def _predict_block(self, points: Array) -> tuple[Array, Array]:
+        if self._is_stacked(points):
+            return self._combine(*self._stacked.predict(points))
         parts = [component.predict(points) for component in self._components]
         means, variances = (np.array(part) for part in zip(*parts, strict=True))
         return self._combine(means, variances)
+
+    def _is_stacked(self, points: Array) -> bool:
+        return self._relative is None and StackedComponents.pays(self._components, len(points))
+
+    @cached_property
+    def _stacked(self) -> StackedComponents:
+        return StackedComponents(self._components)
 
     def gradients(self, points: ArrayLike) -> Array:
         """Gradients of the mean of `predict`, shape (m, d), per unit of each coordinate."""

@@ -246,6 +246,17 @@ class _Projection(NamedTuple):
     explained: Array
 
 
+class Parts(NamedTuple):
+    """Arrays of a component that its predictions are computed from."""
+
+    coefficients: Array
+    trend_coefficients: Array
+    trend_covariance: Array
+    least_squares: Array
+    root: Array
+    root_of_trend: Array
+
+
 class Component:
     """Kriging predictor of one set of hyperparameters, factorised once."""
 
@@ -284,6 +295,18 @@ class Component:
         )
         self._trend_covariance = least_squares @ across
         self._root_of_trend = self._root @ across
+
+    @property
+    def parts(self) -> Parts:
+        """Arrays that its predictions are computed from, where it has no relative."""
+        return Parts(
+            self._coefficients,
+            self._trend_coefficients,
+            self._trend_covariance,
+            self._least_squares,
+            self._root,
+            self._root_of_trend,
+        )
 
     def _noise(self) -> Array | float:
         """Estimated variance of the noise of each run."""
