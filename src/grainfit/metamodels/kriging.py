@@ -375,7 +375,10 @@ class Kriging(OneLine):
     def gradients(self, points: ArrayLike) -> Array:
         """Gradients of the mean of `predict`, shape (m, d), per unit of each coordinate."""
         points = checked("points", points, (None, self.d))
-        gradients = np.array([component.gradients(points) for component in self._components])
+        if self._is_stacked(points):
+            gradients = self._stacked.gradients(points)
+        else:
+            gradients = np.array([component.gradients(points) for component in self._components])
         return np.asarray(self._scale * np.tensordot(self._weights, gradients, axes=1))
 
     def covariance_with(self, points: ArrayLike) -> Callable[[Array], tuple[Array, Array]]:

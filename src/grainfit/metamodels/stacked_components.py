@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from grainfit.arrays import Array
-from grainfit.metamodels.predictor import Component, matern
+from grainfit.metamodels.predictor import Component, matern, matern_slope
 
 #: Most points, and most correlations of all sets, for which stacking pays: larger arrays leave the
 #: caches of the processor, where one set after the other stays within.
@@ -37,6 +37,10 @@ class StackedComponents:
         self._signal_variances = np.array([one.signal_variance for one in sets])[:, None]
         self._coefficients = np.array([one.coefficients for one in parts])[:, None, :]
         self._trend_coefficients = np.array([one.trend_coefficients for one in parts])
+        dimension = first.points.shape[1]
+        self._slopes_of_trend = np.array(
+            [first.trend.slopes(one.trend_coefficients, dimension) for one in parts]
+        )
         self._trend_covariances = np.array([one.trend_covariance for one in parts])
         self._least_squares = np.array([one.least_squares for one in parts])
         self._roots = np.array([one.root for one in parts])
@@ -69,12 +73,25 @@ class StackedComponents:
         variances = self._signal_variances + of_trend.sum(axis=1) - explained.sum(axis=1)
         return self._means(covariance, trend), np.maximum(variances, 0.0)
 
+    def gradients(self, points: Array) -> Array:
+        """Slopes of the means, shape (sets, points, d)."""
+        pull = matern_slope(self._distances(points))
+        pull *= self._signal_variances[:, :, None] * np.swapaxes(self._coefficients, 1, 2)
+        away = pull.sum(axis=1)[:, :, None] * points
+        away -= np.swapaxes(pull, 1, 2) @ self._runs[:, :, 0].T
+        away *= self._inverse_squares[:, None, :]
+        return np.asarray(self._slopes_of_trend[:, None, :] - away)
+
     def _covariance(self, points: Array) -> Array:
         """Covariances between runs and points, shape (sets, runs, points)."""
+        covariance = matern(self._distances(points))
+        covariance *= self._signal_variances[:, :, None]
+        return covariance
+
+    def _distances(self, points: Array) -> Array:
+        """Distances between runs and points in ranges, shape (sets, runs, points)."""
         squares = points.T[:, None, :] - self._runs
         squares *= squares
         dimension, runs, count = squares.shape
-        distances = np.sqrt(self._inverse_squares @ squares.reshape(dimension, runs * count))
-        covariance = matern(distances)
-        covariance *= self._signal_variances
-        return covariance.reshape(-1, runs, count)
+        found = np.sqrt(self._inverse_squares @ squares.reshape(dimension, runs * count))
+        return found.reshape(-1, runs, count)
