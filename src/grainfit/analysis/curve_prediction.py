@@ -11,7 +11,7 @@ from scipy.stats import qmc
 from grainfit.analysis.prediction import POINTS_OF_PRIOR, HoldoutEvaluations
 from grainfit.arrays import Array
 from grainfit.evaluation import Evaluation
-from grainfit.metamodels.curve_reduction import CurveBasis, values_at
+from grainfit.metamodels.curve_reduction import CurveBasis, runs_with_curve, values_at
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_thread import one_thread
 from grainfit.problem import CurveTarget, Problem
@@ -130,11 +130,10 @@ def _neutral(target: CurveTarget, runs: HoldoutEvaluations) -> CurveTarget:
 
 
 def _simulated(target: CurveTarget, evaluations: Sequence[Evaluation]) -> list[Array]:
-    """Return the curves of runs that reach all measured points, shape (n,) each."""
+    """Return the curves of runs at the measured points, shape (n,) each."""
     found = (
         values_at(e.curves[target.name], target.coordinates)
-        for e in evaluations
-        if target.name in e.curves
+        for e in runs_with_curve(target, evaluations)
     )
     return [values for values in found if values is not None]
 
