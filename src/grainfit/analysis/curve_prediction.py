@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-
 import numpy as np
-from scipy.stats import qmc
 
-from grainfit.analysis.prediction import POINTS_OF_PRIOR, HoldoutEvaluations
+from grainfit.analysis.prediction import HoldoutEvaluations, points_of_prior
 from grainfit.arrays import Array
-from grainfit.evaluation import Evaluation
-from grainfit.metamodels.curve_reduction import CurveBasis, runs_with_curve, values_at
+from grainfit.metamodels.curve_reduction import CurveBasis, simulated_curves
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_thread import one_thread
 from grainfit.problem import CurveTarget, Problem
@@ -54,12 +49,10 @@ def predict_curve(
     with one_thread():
         models = Metamodels.fit(problem.with_targets([], [_neutral(target, runs)]), runs.all)
         [basis] = models.reduction.bases
-        before, _ = models.predict(qmc.Sobol(problem.dimension, rng=1).random(POINTS_OF_PRIOR))
+        before, _ = models.predict(points_of_prior(problem.dimension))
         expected, measured = _drawn(basis, *models.predict(sample))
-    prior = _Band.of(_curves(basis, before @ basis.components))
-    band = _Band.of(measured)
-    off = band.off(np.asarray(target.values))
-    probability = float((1 + (band.off(measured) >= off).sum()) / (1 + _DRAWS))
+    prior, band = _Band(basis.curves(before @ basis.components)), _Band(measured)
+    probability = band.probability(np.asarray(target.values))
     verdict = judge_prediction(probability, band.width, prior.width)
     return HoldoutCurve(
         coordinate=target.coordinate,
@@ -72,7 +65,7 @@ def predict_curve(
         high=_plain(band.high),
         prior_low=_plain(prior.low),
         prior_high=_plain(prior.high),
-        at_answer=tuple(map(_plain, _simulated(target, runs.at_answer))),
+        at_answer=tuple(map(_plain, simulated_curves(target, runs.at_answer))),
         measured=tuple(target.values),
         uncertainties=_plain(target.standard_uncertainties),
         probability=probability,
@@ -80,36 +73,25 @@ def predict_curve(
     )
 
 
-@dataclass(frozen=True)
 class _Band:
     """Band within which 95 % of some curves lie wholly, as many deviations wide everywhere."""
 
-    mean: Array
-    deviations: Array
-    half: float
-
-    @classmethod
-    def of(cls, curves: Array) -> _Band:
+    def __init__(self, curves: Array) -> None:
         least = _ROUNDING * float(np.abs(curves).max()) or 1.0
-        mean, deviations = curves.mean(axis=0), np.maximum(curves.std(axis=0), least)
-        alone = cls(mean, deviations, 0.0)
-        return replace(alone, half=float(np.quantile(alone.off(curves), HOLDOUT.confidence)))
+        self._mean, self._deviations = curves.mean(axis=0), np.maximum(curves.std(axis=0), least)
+        self._off = self.off(curves)
+        half = float(np.quantile(self._off, HOLDOUT.confidence)) * self._deviations
+        self.low, self.high = self._mean - half, self._mean + half
+        self.width = float((self.high - self.low).mean())
 
     def off(self, curves: Array) -> Array:
         """Return the largest deviation of each curve from the mean, in standard deviations."""
-        return np.asarray(np.abs((curves - self.mean) / self.deviations).max(axis=-1))
+        return np.asarray(np.abs((curves - self._mean) / self._deviations).max(axis=-1))
 
-    @property
-    def low(self) -> Array:
-        return np.asarray(self.mean - self.half * self.deviations)
-
-    @property
-    def high(self) -> Array:
-        return np.asarray(self.mean + self.half * self.deviations)
-
-    @property
-    def width(self) -> float:
-        return float((self.high - self.low).mean())
+    def probability(self, curve: Array) -> float:
+        """Return the share of the curves that are as far off as another one, itself included."""
+        farther = int((self._off >= self.off(curve)).sum())
+        return (1 + farther) / (1 + len(self._off))
 
 
 def _neutral(target: CurveTarget, runs: HoldoutEvaluations) -> CurveTarget:
@@ -117,9 +99,8 @@ def _neutral(target: CurveTarget, runs: HoldoutEvaluations) -> CurveTarget:
 
     Its errors are those of the measurement, of which percentages are shares of what is simulated.
     """
-    near = _simulated(target, [*runs.at_answer, *runs.over_posterior]) or _simulated(
-        target, runs.all
-    )
+    near = simulated_curves(target, [*runs.at_answer, *runs.over_posterior])
+    near = near or simulated_curves(target, runs.all)
     if not near:
         # The metamodels say why there is none.
         return target
@@ -127,15 +108,6 @@ def _neutral(target: CurveTarget, runs: HoldoutEvaluations) -> CurveTarget:
     return CurveTarget(
         target.name, target.coordinates, mean.tolist(), covariance=target.covariance_about(mean)
     )
-
-
-def _simulated(target: CurveTarget, evaluations: Sequence[Evaluation]) -> list[Array]:
-    """Return the curves of runs at the measured points, shape (n,) each."""
-    found = (
-        values_at(e.curves[target.name], target.coordinates)
-        for e in runs_with_curve(target, evaluations)
-    )
-    return [values for values in found if values is not None]
 
 
 def _drawn(basis: CurveBasis, scores: Array, variances: Array) -> tuple[Array, Array]:
@@ -147,12 +119,7 @@ def _drawn(basis: CurveBasis, scores: Array, variances: Array) -> tuple[Array, A
     left_out = random.standard_normal((_DRAWS, len(basis.left_out))) @ basis.left_out
     whitened = (scores[chosen] + errors) @ basis.components + left_out
     noise = random.standard_normal(whitened.shape)
-    return _curves(basis, whitened), _curves(basis, whitened + noise)
-
-
-def _curves(basis: CurveBasis, whitened: Array) -> Array:
-    """Return curves of deviations from the mean in the space of independent errors."""
-    return np.asarray(np.asarray(basis.target.values) + (basis.mean + whitened) @ basis.root.T)
+    return basis.curves(whitened), basis.curves(whitened + noise)
 
 
 def _plain(values: Array) -> tuple[float, ...]:

@@ -19,7 +19,7 @@ from grainfit.result import HoldoutResponse
 from grainfit.verdict.holdout import judge_prediction
 from grainfit.verdict.options import HOLDOUT
 
-POINTS_OF_PRIOR = 1024
+_POINTS_OF_PRIOR = 1024
 #: Bisections of a quantile: each halves its error.
 _BISECTIONS = 60
 #: Smallest standard error, over the size of the responses: of a model without any scatter.
@@ -83,7 +83,7 @@ def predict_response(
     size = float(np.abs(values).max(initial=0.0)) or 1.0
     with one_thread():
         models = Metamodels.fit(problem.with_targets([_neutral(name, values, target)]), runs.all)
-        before, _ = models.predict(qmc.Sobol(problem.dimension, rng=1).random(POINTS_OF_PRIOR))
+        before, _ = models.predict(points_of_prior(problem.dimension))
         means, variances = (found[:, 0] for found in models.predict(sample))
     errors = np.sqrt(np.maximum(variances, (_ROUNDING * size) ** 2))
     tail = (1 - HOLDOUT.confidence) / 2
@@ -99,6 +99,11 @@ def predict_response(
         _values(name, runs.over_prior),
     )
     return found if target is None else _compared(found, target, means, errors)
+
+
+def points_of_prior(dimension: int) -> Array:
+    """Return points spread over the intervals of the parameters, shape (n, d)."""
+    return np.asarray(qmc.Sobol(dimension, rng=1).random(_POINTS_OF_PRIOR))
 
 
 def _neutral(name: str, values: Array, target: Target | None) -> Target:

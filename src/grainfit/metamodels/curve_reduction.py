@@ -214,10 +214,14 @@ class CurveBasis:
             Expected coordinates along the components, and their variances. Components that are left
             out add the variance that the runs have along them.
         """
-        curve = np.asarray(self.target.values) + self.root @ (self.mean + scores @ self.components)
+        curve = self.curves(scores @ self.components)
         errors = np.sqrt(variances)[:, None] * self.components
         spread = np.vstack([errors, self.left_out]) @ self.root.T
         return curve, np.sqrt((spread**2).sum(axis=0))
+
+    def curves(self, whitened: Array) -> Array:
+        """Return curves of whitened deviations from their mean, shape (..., n)."""
+        return np.asarray(np.asarray(self.target.values) + (self.mean + whitened) @ self.root.T)
 
     @cached_property
     def shape_probability(self) -> float:
@@ -323,6 +327,11 @@ def runs_with_curve(target: CurveTarget, evaluations: Sequence[Evaluation]) -> l
     return [e for e in evaluations if _values(target, e) is not None]
 
 
+def simulated_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -> list[Array]:
+    """Return the curves of `runs_with_curve` at the measured coordinates, shape (n,) each."""
+    return [values for e in evaluations if (values := _values(target, e)) is not None]
+
+
 def about_short_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -> str:
     """Say that simulated curves do not reach all measured points; "" if they all do."""
     found = [e.curves[target.name] for e in evaluations if target.name in e.curves]
@@ -349,9 +358,8 @@ def _values(target: CurveTarget, evaluation: Evaluation) -> Array | None:
 
 
 def _basis(problem: Problem, target: CurveTarget, evaluations: Sequence[Evaluation]) -> CurveBasis:
-    found = [values for e in evaluations if (values := _values(target, e)) is not None]
-    parameters = len(problem.scope_of(target.name).parameters)
-    return CurveBasis.of(target, np.array(found), parameters)
+    found = np.array(simulated_curves(target, evaluations))
+    return CurveBasis.of(target, found, len(problem.scope_of(target.name).parameters))
 
 
 def _with_components(scope: TestScope, names: Mapping[str, Sequence[str]]) -> TestScope:

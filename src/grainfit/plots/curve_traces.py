@@ -13,12 +13,6 @@ from grainfit.student import NORMAL_QUANTILE
 _BLUE_BAND = "rgba(31, 131, 196, 0.25)"
 #: Room beside the measured points, over the length of the axis.
 _MARGIN = 0.04
-LEGEND_ABOVE: Mapping[str, Any] = {
-    "orientation": "h",
-    "y": 1.02,
-    "yanchor": "bottom",
-    "x": 0,
-}
 
 
 def title_of_curve(name: str) -> str:

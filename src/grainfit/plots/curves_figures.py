@@ -13,7 +13,6 @@ from grainfit.formatting import plain
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.curve_traces import (
-    LEGEND_ABOVE,
     axis_of,
     band,
     coordinate_axis,
@@ -23,7 +22,7 @@ from grainfit.plots.curve_traces import (
     title_of_curve,
 )
 from grainfit.plots.figure import Figure, no_figure
-from grainfit.plots.style import PURPLE, QUIET
+from grainfit.plots.style import LEGEND_ABOVE, PURPLE, QUIET
 from grainfit.problem import CurveTarget
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
@@ -109,7 +108,7 @@ def _agreeing(analysis: Analysis, target: CurveTarget) -> tuple[Array, Array] | 
     columns = [names.index(name) for name in bases[0].names]
     step = max(1, len(posterior.points) // _MOST_SAMPLES)
     scores = posterior.responses[::step][:, columns]
-    drawn = np.array([bases[0].expected(one, np.zeros(len(one)))[0] for one in scores])
+    drawn = bases[0].curves(scores @ bases[0].components)
     low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
     return low, high
 

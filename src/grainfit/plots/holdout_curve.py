@@ -6,7 +6,6 @@ from html import escape
 
 from grainfit.formatting import plain
 from grainfit.plots.curve_traces import (
-    LEGEND_ABOVE,
     axis_of,
     band,
     coordinate_axis,
@@ -17,7 +16,7 @@ from grainfit.plots.curve_traces import (
 )
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
-from grainfit.plots.style import PURPLE
+from grainfit.plots.style import LEGEND_ABOVE, PURPLE
 from grainfit.result import HoldoutCurve
 
 _QUIET_BAND = "rgba(136, 136, 136, 0.2)"

@@ -13,7 +13,7 @@ from grainfit.formatting import plain
 from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.leave_one_out import LeaveOneOutCheck, leave_one_out_checks
-from grainfit.plots.style import BLUE, QUIET, VERMILION
+from grainfit.plots.style import BLUE, LEGEND_ABOVE, QUIET, VERMILION
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def predicted_figure(check: LeaveOneOutCheck) -> Figure:
         layout={
             "xaxis": {**axis, "title": {"text": f"simulated {label.axis}"}},
             "yaxis": {**axis, "title": {"text": f"predicted {label.axis}"}},
-            "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0},
+            "legend": LEGEND_ABOVE,
             "hovermode": "closest",
         },
         description=(

@@ -20,6 +20,8 @@ BLUE, VERMILION, GREEN, PURPLE, ORANGE = "#1f83c4", "#d55e00", "#009e73", "#cc79
 GREEN_BAND = "rgba(0, 158, 115, 0.2)"
 #: Colour of lines that only guide the eye.
 QUIET = "#888888"
+#: Place of a legend above a figure.
+LEGEND_ABOVE: Mapping[str, Any] = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 #: Marks of runs by stage: a colour, and a shape that identifies the stage without colour.
 STAGES: Mapping[str, tuple[str, str]] = {
     "design": ("circle-open", BLUE),

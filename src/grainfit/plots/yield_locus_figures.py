@@ -11,7 +11,7 @@ from grainfit.formatting import plain
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
 from grainfit.plots.figure import Figure, no_figure
-from grainfit.plots.style import BLUE, GREEN
+from grainfit.plots.style import BLUE, GREEN, LEGEND_ABOVE
 from grainfit.result import YieldLocus, YieldLocusResult
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -57,7 +57,7 @@ def _figure(locus: YieldLocusResult) -> Figure:
                 "range": [0, _REACH * max(locus.measured.normal_stresses)],
             },
             "yaxis": {"title": {"text": "shear stress (Pa)"}, "rangemode": "tozero"},
-            "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0},
+            "legend": LEGEND_ABOVE,
             "hovermode": "closest",
         },
         description=f"Shear stress over normal stress of {tests}, with fitted lines: {locus}",
