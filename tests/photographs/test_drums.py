@@ -31,6 +31,7 @@ from grainfit.photographs.drum import (
     DrumSize,
     DrumStill,
     PhotographedBed,
+    _bed_of,
     _level_of,
     _unsure,
     measure_still,
@@ -39,6 +40,7 @@ from grainfit.photographs.drum import (
 from grainfit.photographs.drum_circle import DrumCircle
 from grainfit.photographs.drum_photo import photo_drum
 from grainfit.photographs.drum_surface import (
+    REACHED,
     _heights,
     inclination_of,
     learn_colours,
@@ -274,13 +276,24 @@ def test_the_drum_is_found_within_a_rim_that_stands_out_more(
 ) -> None:
     half = shot.rim * shot.share * shot.size[1] / 2
     rim = DrumCircle((159.5, 119.5), half, half, 0.0)
-    known = learn_colours(frames[:3], rim)
 
-    assert not known.fits(frames[0], rim)
-    share = known.reach(frames[:3], rim)
+    share = learn_colours(frames[:3], rim).reach(frames[:3], rim)
     assert share == pytest.approx(1 / shot.rim, abs=0.06)
+    assert share < REACHED
     drum = rim.scaled(share)
-    assert learn_colours(frames[:3], drum).fits(frames[0], drum)
+    assert learn_colours(frames[:3], drum).reach(frames[:3], drum) > REACHED
+
+
+def test_the_outer_edge_of_a_narrow_rim_is_not_taken_for_the_drum() -> None:
+    rows, columns = np.mgrid[:240, :320]
+    x, y = (columns - 159.5) / 90, (119.5 - rows) / 90
+    picture = np.full((240, 320, 3), (160.0, 175.0, 182.0))
+    picture[np.hypot(x, y) < 1.09] = (127, 108, 110)
+    picture[np.hypot(x, y) < 1.0] = (200, 185, 210)
+    picture[(np.hypot(x, y) < 1.0) & (y < 0.6 * x - 0.1)] = (25, 23, 30)
+
+    _, circle = _bed_of([picture.astype(np.uint8)])
+    assert circle.half == pytest.approx(90, rel=0.01)
 
 
 def test_the_bed_does_not_follow_the_line_along_which_it_is_looked_for() -> None:

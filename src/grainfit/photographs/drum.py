@@ -26,6 +26,7 @@ from grainfit.photographs.drum_circle import (
     require_along_axis,
 )
 from grainfit.photographs.drum_surface import (
+    REACHED,
     BedColours,
     fill_level_of,
     inclination_of,
@@ -376,10 +377,12 @@ def _bed_of(frames: Sequence[Colours]) -> tuple[BedColours, DrumCircle]:
         except NotMeasurableError as error:
             reason = reason or error
             continue
-        if known.fits(frames[0], circle):
-            return known, circle
         share = known.reach(frames[:: max(1, len(frames) // 3)], circle)
-        if share is not None and not circles and not within_rim:
+        if share is None:
+            continue
+        if share > REACHED:
+            return known, circle
+        if not circles and not within_rim:
             # The inner edge of the rim stands out less than its outer one.
             circles.append(circle.scaled(share))
             within_rim = True

@@ -37,11 +37,11 @@ _STEPS, _SURE = (24, 12, 12), 3.0
 _MARGINS = (0.12, 0.05)
 #: Least mean difference of the logarithms just below and just above the surface.
 _CONTRAST = 1.8
-#: Ring within a circle, over its radius, whose colours are those within it, and by how much.
-_RING, _LIKE_WITHIN = (0.9, 0.95), 0.2
-#: Shares of the circle of a rim at which bed and empty drum may end, from the outermost, half the
-#: width of a ring, and the share of the agreement within that it must have.
+#: Shares of a circle at which bed and empty drum may end, from the outermost, half the width of a
+#: ring, and the share of the agreement within that it must have.
 _REACHES, _RING_WIDTH, _HALF = (0.97, 0.7, -0.01), 0.008, 0.5
+#: Share from which they reach to the circle: beyond `_WITHIN` nothing is looked at.
+REACHED = 0.935
 #: Most of what is above the surface that may look like the bed.
 _SPECKS = 0.15
 #: Most of what is below the surface, this far within the circle of the drum or of its rim, that may
@@ -103,7 +103,10 @@ class BedColours:
         return smooth
 
     def reach(self, frames: Sequence[Colours], circle: DrumCircle) -> float | None:
-        """Return the share of a circle to which bed and empty drum reach within a rim, if any."""
+        """Return the share of a circle to which bed and empty drum reach, if any.
+
+        Where it is less than `REACHED`, the circle is the outer one of a rim.
+        """
         x = places()
         distance = np.hypot(*np.meshgrid(x, x))
         each = [self.likely(frame, circle) for frame in frames]
@@ -115,20 +118,6 @@ class BedColours:
             agreed[np.abs(distance - ring) < _RING_WIDTH].mean() > _HALF * inside for ring in rings
         ]
         return float(rings[like.index(True)]) if inside > 0 and any(like) else None
-
-    def fits(self, colours: Colours, circle: DrumCircle) -> bool:
-        """Return whether bed and empty drum reach to a circle: it is not the outer one of a rim."""
-        likely = self.likely(colours, circle)
-        x = places()
-        distance = np.hypot(*np.meshgrid(x, x))
-        ring, inner = (distance > _RING[0]) & (distance < _RING[1]), distance < _RING[0]
-        above = -x[:, None] - _heights(likely)
-        for side in (above < -_MARGINS[1], above > _MARGINS[1]):
-            if not (ring & side).any() or not (inner & side).any():
-                return False
-            if likely[ring & side].mean() / likely[inner & side].mean() < _LIKE_WITHIN:
-                return False
-        return True
 
 
 def places() -> Array:
