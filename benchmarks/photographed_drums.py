@@ -7,7 +7,7 @@ the other way before the same camera; and videos that no one can measure. The dr
 once, with LAMMPS, and kept in the folder ``--drums``; finished videos are kept in the file
 ``--kept``. The command can be stopped and started again.
 
-    python benchmarks/photographed_drums.py --drums DIR --kept FILE [--videos 60] [--unusable 24]
+    python -m benchmarks.photographed_drums --drums DIR --kept FILE [--videos 60] [--unusable 24]
         [--first 1000] [--table]
 
 Prints the error against the angles of the same frames by the simulation's own measure, the bias,

@@ -6,7 +6,7 @@ perspective, uneven light, dark corners, shadows, texture, blur, noise and JPEG 
 pictures that no one can measure. Finished pictures are kept in the file ``--kept`` and not
 repeated, so that the command can be stopped and started again.
 
-    python benchmarks/photographs.py --kept benchmarks/data/photographs.jsonl [--pictures 300]
+    python -m benchmarks.photographs --kept benchmarks/data/photographs.jsonl [--pictures 300]
         [--unusable 60] [--first 0] [--table]
 
 Prints the error against the angle that the same fit finds on the true silhouettes of the flanks in

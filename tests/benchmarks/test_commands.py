@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
+import re
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -35,3 +38,27 @@ def test_every_module_can_be_imported(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in BENCHMARKS:
         sys.modules.pop(name, None)
     assert faults == {}
+
+
+def test_scripts_import_no_package_of_the_repository() -> None:
+    # `python benchmarks/NAME.py` finds only what is in its own folder; `python -m` finds all.
+    folders = [ROOT / "benchmarks", ROOT / "docs"]
+    texts = [path.read_text("utf-8") for f in folders for path in f.rglob("*") if _is_text(path)]
+    documented = set(re.findall(r"python benchmarks/(\w+)\.py", "\n".join(texts)))
+    scripts = {name: (ROOT / "benchmarks" / f"{name}.py").read_text("utf-8") for name in documented}
+    assert len(scripts) > 50
+    assert [
+        name
+        for name, text in scripts.items()
+        if {"benchmarks", "studies", "tests", "tools"} & _packages(text) and "sys.path" not in text
+    ] == []
+
+
+def _is_text(path: Path) -> bool:
+    return path.suffix in (".py", ".md")
+
+
+def _packages(text: str) -> set[str]:
+    """Return the packages from which a module imports."""
+    nodes = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
+    return {(node.module or "").partition(".")[0] for node in nodes}
