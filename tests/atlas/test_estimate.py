@@ -177,6 +177,14 @@ def test_a_target_out_of_reach_is_named() -> None:
     assert not messages.TO_VERIFY.is_in(text)
 
 
+def test_parameters_of_a_target_out_of_reach_come_nearest_to_it() -> None:
+    steepest, flattest = (estimate_of(_of_angle(angle, 0.5), _heaps()) for angle in (85.0, 1.0))
+
+    assert steepest.responses[0].value > 35
+    assert flattest.responses[0].value < 15
+    assert steepest.best[SLIDING] > flattest.best[SLIDING]
+
+
 def test_a_test_that_the_atlas_does_not_have_is_left_out_with_the_reason() -> None:
     targets = [gf.Target("heap.angle_of_repose", 25.0, uncertainty=1.0), gf.Target("own.wear", 1.0)]
     scopes = [
@@ -228,7 +236,10 @@ def test_the_command_answers_with_a_picture(tmp_path: Path) -> None:
         (["--diameter", '3" mm', "--bulk-density", "540kg/m^3"], "--diameter"),
         (["--diameter", "3mm", "--bulk-density", "-1"], "--bulk-density"),
         (["--diameter", "0mm", "--bulk-density", "540kg/m^3"], "--diameter"),
+        (["--diameter", "3000km", "--bulk-density", "540kg/m^3"], "--diameter"),
+        (["--diameter", "3mm", "--bulk-density", "540kg/m^3", "--angle", "95deg"], "--angle"),
         (["no_such_file.toml"], "no_such_file.toml"),
+        (["no_such_file.toml", "--angle", "30deg"], "--angle"),
     ],
 )
 def test_bad_input_is_named_without_a_traceback(given: list[str], named: str) -> None:

@@ -25,6 +25,7 @@ from grainfit.metamodels.importance_sampling import (
     weighted_quantiles,
 )
 from grainfit.metamodels.likelihood import Likelihood, log_prior
+from grainfit.metamodels.unit_cube import spread_points
 from grainfit.one_line import OneLine
 from grainfit.one_thread import one_thread
 from grainfit.problem import Parameter, Problem, Target
@@ -42,8 +43,8 @@ _WIDER, _NARROWEST = 1.5, 0.2
 #: Width of an interval over the present one below which a measurement is worth naming, and points
 #: of the sample that show it.
 _NARROWS, _REPRESENTATIVES = 0.85, 400
-#: Standard errors within which a target can be met.
-_REACH = 2.5
+#: Standard errors within which a target can be met, and points all over that show whether any does.
+_REACH, _SPREAD = 2.5, 512
 
 
 @dataclass(frozen=True)
@@ -284,10 +285,11 @@ def estimate_of(
     if forecast.problem is None:
         reasons = "; ".join(f"{names}: {why}" for names, why in _by_reason(forecast.untold))
         raise InputError(messages.NOTHING_TOLD.fault("", reasons=reasons))
-    likelihood = Likelihood(forecast.problem)
+    likelihood, misses = Likelihood(forecast.problem), _misses(forecast, seed)
 
     def log_density(points: Array) -> Array:
-        found = likelihood.logarithms(*forecast.predict(points))
+        means, variances = forecast.predict(points)
+        found = likelihood.logarithms(means, variances + misses**2)
         return np.asarray(found + log_prior(problem, points) + np.log(forecast.chance(points)))
 
     sample = importance_sample(log_density, problem.dimension, np.random.default_rng(seed))
@@ -319,6 +321,20 @@ def estimate_of(
         points=sample.points,
         weights=weights,
     )
+
+
+def _misses(forecast: Forecast, seed: int) -> Array:
+    """Return by how much all parameters miss each target, shape (targets,); 0 of one in reach.
+
+    As an error it makes the parameters count that come nearest, and not those of which least is
+    known.
+    """
+    assert forecast.problem is not None
+    targets, random = forecast.problem.targets, np.random.default_rng(seed)
+    means, variances = forecast.predict(spread_points(_SPREAD, forecast.problem.dimension, random))
+    off = np.abs(means - [target.value for target in targets])
+    widths = np.hypot([target.tolerance for target in targets], _REACH * np.sqrt(variances))
+    return np.where((off > widths).all(axis=0), off.min(axis=0), 0.0)
 
 
 def _by_reason(untold: Mapping[str, str]) -> Iterator[tuple[str, str]]:

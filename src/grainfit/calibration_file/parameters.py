@@ -156,7 +156,7 @@ class FixedOrFree(Kind):
 
     @property
     def _quantity(self) -> Quantity:
-        return Quantity(self.parameter.unit, self.parameter.lowest, self.parameter.highest)
+        return self.parameter.possible
 
     @property
     def _interval(self) -> Table:

@@ -49,7 +49,7 @@ def set_values(
 def quantity_of(file: CalibrationFile, name: str) -> Quantity:
     """Return the unit and the physical limits of a parameter of a file."""
     if (known := material_parameter(name)) is not None:
-        return Quantity(known.unit, known.lowest, known.highest)
+        return known.possible
     units = [p.unit for p in file.parameters if p.name == name and is_unit(p.unit)]
     return Quantity(units[0] if units and units[0] else None)
 

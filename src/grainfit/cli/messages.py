@@ -37,6 +37,9 @@ NOTHING_TO_ESTIMATE = Message(
     "is not given, and --diameter neither.",
     "Give a calibration file, or: --diameter 3mm --bulk-density 540kg/m^3 --angle 34deg.",
 )
+OF_FILE = Message(
+    "is for an estimate without a file.", "Leave it out, or write what you measured in the file."
+)
 DAMAGED_ATLAS = Message(
     "The rows of {test} in {folder} are damaged, or of another version, and tell nothing.",
     "Install grainfit again.",

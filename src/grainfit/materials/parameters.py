@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from grainfit.materials.particle_shape import ASPECT_RATIO, LARGEST_ASPECT_RATIO
 from grainfit.materials.walls import on_wall
+from grainfit.options.kinds import Quantity
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,11 @@ class MaterialParameter:
     default: float | None = None
     example: str = ""
     coarse_graining_power: float = 0.0
+
+    @property
+    def possible(self) -> Quantity:
+        """Values that are physically possible."""
+        return Quantity(self.unit, self.lowest, self.highest)
 
     @property
     def section(self) -> str:

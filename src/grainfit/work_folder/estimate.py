@@ -13,11 +13,14 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.parameter_names import DENSITY as PARTICLE_DENSITY
 from grainfit.bulk_tests.parameter_names import ROLLING, SLIDING
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
-from grainfit.errors import Fault, InputError
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.errors import InputError
+from grainfit.materials.size_distributions import DIAMETER
+from grainfit.options.kinds import Quantity
+from grainfit.options.places import Findings, Place
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.relative_names import is_relative
 from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.units import UnitError, to_unit
 from grainfit.work_folder import messages
 from grainfit.work_folder.open_folder import open_folder
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -125,39 +128,43 @@ def estimate_of_heap(
         raise InputError(messages.NOTHING_MEASURED.fault("--angle"))
     if not (density or bulk_density):
         raise InputError(messages.NO_DENSITY.fault("--density"))
-    bulk = _read("--bulk-density", bulk_density, _DENSITY)
-    measured = (
-        ("bulk_density", bulk, _DENSITY, "1 %"),
-        ("angle_of_repose", _read("--angle", angle, "deg"), "deg", "1 deg"),
-    )
+    given = {
+        "--diameter": (diameter, DIAMETER),
+        "--bulk-density": (bulk_density, Heap.responses["bulk_density"].possible),
+        "--angle": (angle, Heap.responses["angle_of_repose"].possible),
+        "--density": (density, MATERIAL_PARAMETERS[PARTICLE_DENSITY].possible),
+    }
+    known = _read(given)
+    measured = (("bulk_density", "--bulk-density", "1 %"), ("angle_of_repose", "--angle", "1 deg"))
     targets = [
-        Target(name, value, uncertainty=error, unit=unit)
-        for name, value, unit, error in measured
-        if value
+        Target(name, known[key], uncertainty=error, unit=Heap.responses[name].unit)
+        for name, key, error in measured
+        if key in known
     ]
     free = [Parameter(SLIDING, 0.05, 1.0), Parameter(ROLLING, 0.01, 1.0)]
     material = dict(_USUAL)
-    if density:
-        material[PARTICLE_DENSITY] = _read("--density", density, _DENSITY)
+    if "--density" in known:
+        material[PARTICLE_DENSITY] = known["--density"]
     else:
+        bulk = known["--bulk-density"]
         ends = bulk / _DENSE, bulk / _LOOSE
         free.insert(0, Parameter(PARTICLE_DENSITY, *ends, unit=_DENSITY))
     rough: dict[str, Any] = Heap.options_for({})
-    test = Heap(diameter=_read("--diameter", diameter, "m"), **rough)
+    test = Heap(diameter=known["--diameter"], **rough)
     return estimate_of(Problem(free, targets), {Heap.type: Lammps(test, material)})
 
 
-def _read(key: str, text: str, unit: str) -> float:
-    """Return a quantity above zero, in a unit, of a density also without it; 0 of no text."""
-    if not text:
-        return 0.0
-    try:
-        value = to_unit(f"{text} {unit}" if unit == _DENSITY and _is_number(text) else text, unit)
-    except UnitError as error:
-        raise InputError(Fault(key, error.message, error.remedy)) from None
-    if not value > 0:
-        raise InputError(messages.NOT_ABOVE_ZERO.fault(key, given=text))
-    return value
+def _read(given: Mapping[str, tuple[str, Quantity]]) -> dict[str, float]:
+    """Read the quantities that are given, SI, by option; a density needs no unit."""
+    findings = Findings(Path())
+    found = {}
+    for key, (text, kind) in given.items():
+        plain = kind.unit == _DENSITY and _is_number(text)
+        if text and (value := kind.read(float(text) if plain else text, Place(findings, (key,)))):
+            found[key] = value
+    if findings.faults:
+        raise InputError(findings.faults)
+    return found
 
 
 def _is_number(text: str) -> bool:

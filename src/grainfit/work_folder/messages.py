@@ -139,7 +139,6 @@ NO_DENSITY = Message(
     "is not given, and --bulk-density neither.",
     "Give the density of the particles, such as --density 900kg/m^3.",
 )
-NOT_ABOVE_ZERO = Message("is {given}.", "Give a value above zero, with its unit.")
 
 # Predictions of hold-outs.
 NO_HOLDOUT = Message(

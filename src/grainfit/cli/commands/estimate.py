@@ -63,7 +63,14 @@ def estimate(
     from grainfit.work_folder.estimate import estimate_of_heap
     from grainfit.work_folder.estimate_picture import draw_estimate
 
+    measured = {
+        "--diameter": diameter,
+        "--bulk-density": bulk_density,
+        "--angle": angle,
+        "--density": density,
+    }
     if file is not None:
+        InputError.raise_for([messages.OF_FILE.fault(name) for name in measured if measured[name]])
         found = of_file(file)
     elif diameter:
         found = estimate_of_heap(diameter, bulk_density, angle, density)
