@@ -46,9 +46,11 @@ def test_models_of_the_user_have_no_other_tests(own: gf.OpenedCalibration) -> No
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"seeds": 0}, "seeds: is 0"),
-        ({"workers": 1.5}, r"workers: is 1\.5"),
-        ({"max_seconds": -1}, "max_seconds: is -1"),
+        ({"seeds": 0, "simulate": True}, "seeds: is 0"),
+        ({"workers": 1.5, "simulate": True}, r"workers: is 1\.5"),
+        ({"max_seconds": -1, "simulate": True}, "max_seconds: is -1"),
+        ({"seeds": 3}, "--simulate"),
+        ({"max_seconds": 60}, "--simulate"),
         ({"accuracies": {"angle_of_repose": "1 kg"}}, r"accuracy\.angle_of_repose"),
         ({"accuracies": {"heap.colour": 1}}, r"heap\.colour: is no response"),
     ],

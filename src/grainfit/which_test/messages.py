@@ -50,6 +50,10 @@ MEASURE_AS_WELL = Message(
 
 # Tests that are compared.
 UNKNOWN_TEST = Message("{name!r} is not a bulk test.", "{known}")
+NOTHING_SIMULATED = Message(
+    "is for simulated trials, and the atlas answers without any.",
+    "Add --simulate (simulate=True), or leave it out.",
+)
 ONLY_OWN_MODELS = Message(
     "all tests are simulated by models of your own.",
     "Only bulk tests on a DEM program can be compared with others.",

@@ -32,6 +32,12 @@ class Simulated(NamedTuple):
     seeds: int
 
 
+def require_simulated(simulate: bool, **given: object) -> None:
+    """Raise `InputError` that names options of simulated trials where nothing is simulated."""
+    names = [name for name, value in given.items() if value is not None and not simulate]
+    InputError.raise_for([messages.NOTHING_SIMULATED.fault(name) for name in names])
+
+
 @dataclass(frozen=True)
 class Simulation:
     """Options for simulating candidate tests.

@@ -22,7 +22,7 @@ from grainfit.which_test.candidate import seconds_of
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
-from grainfit.which_test.simulation import Simulation
+from grainfit.which_test.simulation import Simulation, require_simulated
 from grainfit.which_test.slopes import Cloud
 from grainfit.which_test.told_by_atlas import of_dry_spheres, told_tests
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -94,6 +94,9 @@ def advise(
     >>> import grainfit as gf
     >>> print(gf.open("beads.grainfit").advise())  # doctest: +SKIP
     """
+    require_simulated(
+        simulate, seeds=seeds, max_seconds=max_seconds, workers=workers, workdir=workdir
+    )
     given = read_accuracies(accuracies or {})
     folder = Path(workdir or saved.folder)
     number = saved.workers if workers is None else workers

@@ -24,7 +24,7 @@ from grainfit.which_test.determining_tests import other_measurement
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
 from grainfit.which_test.measurement_plan import MeasurementPlan, rank_combinations
-from grainfit.which_test.simulation import Simulation
+from grainfit.which_test.simulation import Simulation, require_simulated
 from grainfit.which_test.slopes import Cloud, corners
 from grainfit.which_test.told_by_atlas import of_dry_spheres, told_tests, untold_effects
 
@@ -88,6 +88,9 @@ def design(
     >>> import grainfit as gf
     >>> print(gf.design("plan.toml", wanted=0.3))  # doctest: +SKIP
     """
+    require_simulated(
+        simulate, seeds=seeds, max_seconds=max_seconds, workers=workers, workdir=workdir
+    )
     given = read_accuracies(accuracies or {})
     if not as_number(wanted) > 0:
         raise InputError(messages.NO_SHARE.fault("wanted", given=wanted))
