@@ -37,7 +37,7 @@ NOTHING_TO_ESTIMATE = Message(
     "is not given, and --diameter neither.",
     "Give a calibration file, or: --diameter 3mm --bulk-density 540kg/m^3 --angle 34deg.",
 )
-OF_FILE = Message(
+BESIDE_FILE = Message(
     "is for an estimate without a file.", "Leave it out, or write what you measured in the file."
 )
 DAMAGED_ATLAS = Message(

@@ -70,7 +70,8 @@ def estimate(
         "--density": density,
     }
     if file is not None:
-        InputError.raise_for([messages.OF_FILE.fault(name) for name in measured if measured[name]])
+        given = [name for name, text in measured.items() if text]
+        InputError.raise_for([messages.BESIDE_FILE.fault(name) for name in given])
         found = of_file(file)
     elif diameter:
         found = estimate_of_heap(diameter, bulk_density, angle, density)
