@@ -152,16 +152,16 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
 
 def _difference(kind: tuple[str, float, bool], records: Mapping[Run, dict[str, Any]]) -> str:
     """Return the mean difference of the runs to a start all over, with its standard error."""
-    pairs = [
-        (records[run]["runs"], records[other]["runs"])
-        for run in records
-        for other in [run._replace(start="all over", wrong=False)]
-        if run[1:] == kind and other != run and other in records
+    found = [
+        record["runs"] - records[other]["runs"]
+        for run, record in records.items()
+        if run[1:] == kind
+        and (other := run._replace(start="all over", wrong=False)) != run
+        and other in records
     ]
-    if len(pairs) < 2:
+    if len(found) < 2:
         return ""
-    found = np.subtract(*np.array(pairs).T)
-    return f"{found.mean():+.1f} ± {found.std(ddof=1) / math.sqrt(len(found)):.1f}"
+    return f"{np.mean(found):+.1f} ± {np.std(found, ddof=1) / math.sqrt(len(found)):.1f}"
 
 
 def main() -> None:

@@ -235,6 +235,7 @@ def test_the_command_answers_with_a_picture(tmp_path: Path) -> None:
         (["--diameter", "3 apples", "--bulk-density", "540kg/m^3"], "--diameter"),
         (["--diameter", '3" mm', "--bulk-density", "540kg/m^3"], "--diameter"),
         (["--diameter", "3mm", "--bulk-density", "-1"], "--bulk-density"),
+        (["--diameter", "3mm", "--bulk-density", "0"], "--bulk-density"),
         (["--diameter", "0mm", "--bulk-density", "540kg/m^3"], "--diameter"),
         (["--diameter", "3000km", "--bulk-density", "540kg/m^3"], "--diameter"),
         (["--diameter", "3mm", "--bulk-density", "540kg/m^3", "--angle", "95deg"], "--angle"),

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from grainfit.arrays import Array
 from grainfit.atlas import messages
@@ -98,8 +99,7 @@ class EstimatedResponse:
     @property
     def is_in_reach(self) -> bool:
         """Whether the measured value is met within the errors of both."""
-        width = math.hypot(self.target.tolerance, _REACH * self.standard_error)
-        return self._off <= width
+        return bool(self._off <= _reach(self.target.tolerance, self.standard_error))
 
     @property
     def is_met(self) -> bool:
@@ -285,7 +285,7 @@ def estimate_of(
     if forecast.problem is None:
         reasons = "; ".join(f"{names}: {why}" for names, why in _by_reason(forecast.untold))
         raise InputError(messages.NOTHING_TOLD.fault("", reasons=reasons))
-    likelihood, misses = Likelihood(forecast.problem), _misses(forecast, seed)
+    likelihood, misses = Likelihood(forecast.problem), _misses(forecast, forecast.problem, seed)
 
     def log_density(points: Array) -> Array:
         means, variances = forecast.predict(points)
@@ -323,18 +323,22 @@ def estimate_of(
     )
 
 
-def _misses(forecast: Forecast, seed: int) -> Array:
+def _reach(tolerance: ArrayLike, standard_error: ArrayLike) -> Array:
+    """Return how far a measured value may be off and is met within the errors of both."""
+    return np.hypot(tolerance, _REACH * np.asarray(standard_error))
+
+
+def _misses(forecast: Forecast, problem: Problem, seed: int) -> Array:
     """Return by how much all parameters miss each target, shape (targets,); 0 of one in reach.
 
     As an error it makes the parameters count that come nearest, and not those of which least is
     known.
     """
-    assert forecast.problem is not None
-    targets, random = forecast.problem.targets, np.random.default_rng(seed)
-    means, variances = forecast.predict(spread_points(_SPREAD, forecast.problem.dimension, random))
-    off = np.abs(means - [target.value for target in targets])
-    widths = np.hypot([target.tolerance for target in targets], _REACH * np.sqrt(variances))
-    return np.where((off > widths).all(axis=0), off.min(axis=0), 0.0)
+    points = spread_points(_SPREAD, problem.dimension, np.random.default_rng(seed))
+    means, variances = forecast.predict(points)
+    off = np.abs(means - [target.value for target in problem.targets])
+    within = _reach([target.tolerance for target in problem.targets], np.sqrt(variances))
+    return np.where((off > within).all(axis=0), off.min(axis=0), 0.0)
 
 
 def _by_reason(untold: Mapping[str, str]) -> Iterator[tuple[str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -16,8 +15,8 @@ from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
 from grainfit.materials.size_distributions import DIAMETER
-from grainfit.options.kinds import Quantity
-from grainfit.options.places import Findings, Place
+from grainfit.options.fields import read_options
+from grainfit.options.tables import Key
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.relative_names import is_relative
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -29,6 +28,13 @@ from grainfit.work_folder.solvers_of_runs import solver_of_run
 #: Bulk over particle density of poured beds: between very loose and dense.
 _LOOSE, _DENSE = 0.5, 0.65
 _DENSITY = "kg/m^3"
+#: What is given without a file.
+_GIVEN = (
+    Key("--diameter", DIAMETER, "Diameter of the particles."),
+    Key("--bulk-density", Heap.responses["bulk_density"].possible, "Measured bulk density."),
+    Key("--angle", Heap.responses["angle_of_repose"].possible, "Measured angle of repose."),
+    Key("--density", MATERIAL_PARAMETERS[PARTICLE_DENSITY].possible, "Density of the particles."),
+)
 #: Walls of steel, and restitutions and stiffness that are usual.
 _USUAL: Mapping[str, float] = {
     "particle.youngs_modulus": 10e6,
@@ -129,24 +135,24 @@ def estimate_of_heap(
     if not (density or bulk_density):
         raise InputError(messages.NO_DENSITY.fault("--density"))
     given = {
-        "--diameter": (diameter, DIAMETER),
-        "--bulk-density": (bulk_density, Heap.responses["bulk_density"].possible),
-        "--angle": (angle, Heap.responses["angle_of_repose"].possible),
-        "--density": (density, MATERIAL_PARAMETERS[PARTICLE_DENSITY].possible),
+        "--diameter": diameter,
+        "--bulk-density": _plain(bulk_density),
+        "--angle": angle,
+        "--density": _plain(density),
     }
-    known = _read(given)
-    measured = (("bulk_density", "--bulk-density", "1 %"), ("angle_of_repose", "--angle", "1 deg"))
+    known = read_options(_GIVEN, {key: value for key, value in given.items() if value != ""})
+    bulk = known["--bulk-density"]
+    measured = (("bulk_density", bulk, "1 %"), ("angle_of_repose", known["--angle"], "1 deg"))
     targets = [
-        Target(name, known[key], uncertainty=error, unit=Heap.responses[name].unit)
-        for name, key, error in measured
-        if key in known
+        Target(name, value, uncertainty=error, unit=Heap.responses[name].unit)
+        for name, value, error in measured
+        if value
     ]
     free = [Parameter(SLIDING, 0.05, 1.0), Parameter(ROLLING, 0.01, 1.0)]
     material = dict(_USUAL)
-    if "--density" in known:
+    if known["--density"]:
         material[PARTICLE_DENSITY] = known["--density"]
     else:
-        bulk = known["--bulk-density"]
         ends = bulk / _DENSE, bulk / _LOOSE
         free.insert(0, Parameter(PARTICLE_DENSITY, *ends, unit=_DENSITY))
     rough: dict[str, Any] = Heap.options_for({})
@@ -154,20 +160,8 @@ def estimate_of_heap(
     return estimate_of(Problem(free, targets), {Heap.type: Lammps(test, material)})
 
 
-def _read(given: Mapping[str, tuple[str, Quantity]]) -> dict[str, float]:
-    """Read the quantities that are given, SI, by option; a density needs no unit."""
-    findings = Findings(Path())
-    found = {}
-    for key, (text, kind) in given.items():
-        plain = kind.unit == _DENSITY and _is_number(text)
-        if text and (value := kind.read(float(text) if plain else text, Place(findings, (key,)))):
-            found[key] = value
-    if findings.faults:
-        raise InputError(findings.faults)
-    return found
-
-
-def _is_number(text: str) -> bool:
+def _plain(density: str) -> str | float:
+    """Return a density that is given without a unit as a number."""
     with suppress(ValueError):
-        return math.isfinite(float(text))
-    return False
+        return float(density)
+    return density
