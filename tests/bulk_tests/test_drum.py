@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.drum import Drum, messages
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
+from grainfit.bulk_tests.drum.end_caps import coarse_caps
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import Frame, Particles
@@ -232,3 +234,21 @@ def test_a_drum_that_carries_its_particles_round_is_refused(
     drum = short(froude_number=1.0, averaged_turns=1.0)
     with pytest.raises(RunFailedError, match=messages.CARRIED_ROUND.pattern):
         Lammps(drum, ROUGH_SPHERES).run({}, 1, Workspace(tmp_path, 300))
+
+
+def said_of_caps(factor: float, *, end_caps: bool = True) -> str:
+    drum = Drum(
+        ParticleSizes((1.2e-3 * factor,), coarse_graining=factor),
+        drum_radius="42 mm",
+        drum_length="20 mm",
+        end_caps=end_caps,
+    )
+    checked = CheckedTest(drum, {}, {}, {"dynamic_angle": 40.0})
+    return " ".join(found.text for found in coarse_caps(checked))
+
+
+def test_enlarged_particles_between_end_caps_are_said_to_be_steeper() -> None:
+    """1.2 degrees by 20 d / length at twice the diameter, and what is told apart at 1.4 times."""
+    said = said_of_caps(2.0)
+    assert messages.COARSE_CAPS.is_in(said, factor=2.0, more=1.2, told=0.5, largest="1.4")
+    assert said_of_caps(1.4) == said_of_caps(1.0) == said_of_caps(2.0, end_caps=False) == ""

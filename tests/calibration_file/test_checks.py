@@ -194,6 +194,13 @@ CASES = {
         + GLASS_WALL,
         "[[test]]",
     ),
+    "coarse-caps": (
+        "note",
+        starter_file(["drum"])
+        .replace('type = "drum"', 'type = "drum"\nend_caps = true')
+        .replace('diameter = "10 mm"', 'diameter = "10 mm"\ncoarse_graining = 1.25'),
+        "end_caps",
+    ),
     "fast-shear": ("note", starter_file(["shear"]), "[[test]]"),
     "no-cohesion": ("warning", starter_file(["shear_cell"]), "targets.ffc = "),
     "preshear-stress": (

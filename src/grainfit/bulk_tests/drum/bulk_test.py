@@ -15,6 +15,7 @@ from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
+from grainfit.bulk_tests.drum.end_caps import coarse_caps, no_end_caps
 from grainfit.bulk_tests.drum.setup import FROUDE_NUMBER, DrumSetup
 from grainfit.bulk_tests.drum.soft_beds import soft_drum
 from grainfit.bulk_tests.drum.view import DrumView, draw_drum
@@ -63,14 +64,6 @@ def fast_drum(checked: CheckedTest[Any]) -> Iterator[Found]:
         )
 
 
-@check("no-end-caps", "warning")
-def no_end_caps(checked: CheckedTest[Any]) -> Iterator[Found]:
-    """Drums without end caps in a file that says what these are made of."""
-    wall = checked.walls.get("caps")
-    if wall and not checked.test.end_caps:
-        yield "end_caps", messages.NO_END_CAPS(wall=wall)
-
-
 @dataclass(frozen=True)
 class Drum(BulkTest):
     """Rotating drum: dynamic angle of repose.
@@ -96,7 +89,7 @@ class Drum(BulkTest):
     type: ClassVar[str] = "drum"
     title: ClassVar[str] = "rotating"
     vessel: ClassVar[str] = "drum_radius"
-    checks: ClassVar[Checks] = (fast_drum, soft_drum, no_end_caps)
+    checks: ClassVar[Checks] = (fast_drum, soft_drum, no_end_caps, coarse_caps)
     parts: ClassVar[Parts] = {"drum": ("drum",), "caps": _CAPS}
     shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {}

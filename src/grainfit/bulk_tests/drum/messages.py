@@ -39,6 +39,12 @@ NO_END_CAPS = Message(
     "the caps are of {wall}, and the drum has none: it repeats along its axis.",
     "Give end_caps = true, or leave caps out of walls.",
 )
+COARSE_CAPS = Message(
+    "end caps carry larger particles up more: with a coarse_graining of {factor:g} the dynamic "
+    "angle is about {more:.1f} degrees above what real particles have by the caps alone, and "
+    "fitted frictions make up for it.",
+    "It is less than {told:g} degrees with a coarse_graining of {largest}.",
+)
 CARRIED_ROUND = Message(
     "the drum carries the particles round: {percent:.0f} % of them are above the ends of the "
     "bed, which has no surface then; use a lower rotational_speed"
