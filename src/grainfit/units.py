@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from grainfit import ground_messages as messages
@@ -158,15 +159,15 @@ def is_unit(text: str) -> bool:
     return True
 
 
-#: Powers of mass, length and time in the units of responses, which are asked for without pint.
+#: Powers of mass, length and time in SI units, whose products are known without pint.
 _POWERS = {
-    "": (0, 0, 0),
     "deg": (0, 0, 0),
+    "rad": (0, 0, 0),
     "m": (0, 1, 0),
     "s": (0, 0, 1),
     "kg": (1, 0, 0),
-    "kg/s": (1, 0, -1),
-    "kg/m^3": (1, -3, 0),
+    "N": (1, 1, -2),
+    "J": (1, 2, -2),
     "Pa": (1, -1, -2),
 }
 
@@ -186,9 +187,13 @@ def powers(unit: str) -> tuple[int, int, int]:
     >>> powers("deg")
     (0, 0, 0)
     """
-    if unit in _POWERS:
-        return _POWERS[unit]
     try:
+        factors = list(_factors(unit))
+        if all(name in _POWERS for name, _ in factors):
+            mass, length, time = (
+                sum(_POWERS[name][i] * power for name, power in factors) for i in range(3)
+            )
+            return mass, length, time
         dimensions = dict(_parse(unit).dimensionality)
     except _NotAUnitError as error:
         fault = messages.NOT_A_UNIT.fault("", unit=error, remedy=how_to_write("m"))
@@ -300,18 +305,22 @@ def _base(unit: pint.Unit) -> Any:
 @functools.lru_cache(maxsize=256)
 def _parse(text: str) -> pint.Unit:
     """Build a unit from its factors, from left to right."""
-    registry = _registry()
-    unit = registry.Unit("")
+    unit = _registry().Unit("")
+    for name, power in _factors(text):
+        unit = unit * _named(name) ** power
+    return unit
+
+
+def _factors(text: str) -> Iterator[tuple[str, int]]:
+    """Iterate over the names in a unit, with their powers."""
     text = text.translate(_SUPERSCRIPTS)
     position = 1 if text.startswith("1/") else 0
     while position < len(text):
         factor = _FACTOR.match(text, position)
         if factor is None:
             raise _NotAUnitError(repr(text))
-        power = int(factor["power"] or 1) * (-1 if factor["operator"] == "/" else 1)
-        unit = unit * _named(factor["name"]) ** power
+        yield factor["name"], int(factor["power"] or 1) * (-1 if factor["operator"] == "/" else 1)
         position = factor.end()
-    return unit
 
 
 def _named(name: str) -> pint.Unit:

@@ -4,6 +4,7 @@ import contextlib
 import math
 import re
 import time
+from unittest.mock import Mock
 
 import pint
 import pytest
@@ -11,6 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grainfit import units
+from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.options.kinds import Quantity
 from grainfit.units import UnitError, is_unit, percentage, to_si, to_unit
 
 
@@ -182,7 +186,20 @@ def test_units_are_recognised() -> None:
     assert not is_unit("9^9^9")
 
 
-def test_powers_that_are_known_without_pint_are_those_of_pint() -> None:
-    # Spelled in another way, they are parsed.
-    for unit, known in units._POWERS.items():
-        assert units.powers(f"kg*{unit}/kg" if unit else "kg/kg") == known
+@pytest.mark.parametrize(
+    "unit", [*units._POWERS, "kg m^-3", "1/s", "m/s^2", "N/m", "J/m²", "rad/s"]
+)
+def test_powers_of_si_units_are_those_of_pint(unit: str) -> None:
+    # The gram makes pint read it.
+    assert units.powers(unit) == units.powers(
+        f"g*{unit}/g" if unit[0] != "1" else f"g/g/{unit[2:]}"
+    )
+
+
+def test_no_quantity_of_a_run_starts_pint(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs are put in natural units before the first one of a calibration begins."""
+    monkeypatch.setattr(units, "_registry", Mock(side_effect=AssertionError("pint is started")))
+    kinds = [key.kind for test in bulk_tests().values() for key in test.option_keys()]
+    options = {kind.unit for kind in kinds if isinstance(kind, Quantity)}
+    for unit in options | {one.unit for one in MATERIAL_PARAMETERS.values()}:
+        units.powers(unit)
