@@ -99,7 +99,7 @@ def of_values() -> list[Any]:
         gf.ModulusStudy((ModulusRow(1.0, 1e7, {}, None, 1.0),) * 9, tuple(targets), by_name, 3),
         gf.Advice(OpenParameters(tuple(parameters), {}, by_name, None, 60.0)),
         gf.MeasurementPlan(0.2, None, ()),
-        gf.Estimate((), (), *(by_name,) * 3, 1.0, 3, 60.0, (), np.zeros((9, 2)), np.zeros(9)),
+        gf.Estimate((), (), *(by_name,) * 3, (), 1.0, 3, 60.0, (), np.zeros((9, 2)), np.zeros(9)),
         gf.PhotographedDrum(by_name, {"dynamic_angle": by_name}, (), 0.084, {}),
         gf.PhotographedDrawDowns(by_name, {"shear_angle": by_name}, (), {Path("a" * 200): "dark"}),
         gf.PhotographedSlopes(gf.Response(22.0, 0.2), (), by_name, {Path("a" * 200): "dark"}),

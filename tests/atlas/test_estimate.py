@@ -177,6 +177,46 @@ def test_a_target_out_of_reach_is_named() -> None:
     assert not messages.TO_VERIFY.is_in(text)
 
 
+def test_targets_that_are_at_odds_are_not_called_out_of_reach() -> None:
+    targets = [
+        gf.Target(f"{name}.angle_of_repose", angle, uncertainty=1.0)
+        for name, angle in (("a", 18.0), ("b", 30.0))
+    ]
+    scopes = [
+        gf.TestScope(name, [f"{name}.angle_of_repose"], [SLIDING, ROLLING]) for name in ("a", "b")
+    ]
+    solver = _heaps()["heap"]
+
+    found = estimate_of(gf.Problem(FRICTIONS, targets, tests=scopes), {"a": solver, "b": solver})
+
+    assert found.out_of_reach == ()
+    assert found.at_odds
+    assert found.expected_intervals() == {}
+    for name in found.at_odds:
+        assert messages.AT_ODDS.is_in(str(found), response=name)
+    assert not messages.TO_VERIFY.is_in(str(found))
+
+
+def test_intervals_beyond_the_rows_are_cut_and_that_is_said() -> None:
+    wide = [replace(FRICTIONS[0], maximum=2.9), FRICTIONS[1]]
+    found = estimate_of(replace(_of_angle(25.0), parameters=wide), _heaps())
+
+    # A little beyond the rows is as good as their end.
+    assert found.parameters[0].high <= 1.8
+    assert found.best[SLIDING] <= 1.8
+    [left_out] = found.left_out
+    assert messages.LEFT_OUT.is_in(str(found), name=SLIDING, low="0.05", high="1.5")
+    assert left_out in str(found)
+    assert estimate_of(_of_angle(25.0), _heaps()).left_out == ()
+
+
+def test_a_tolerance_that_no_calibration_reaches_has_no_number_of_runs() -> None:
+    text = str(estimate_of(_of_angle(25.0, 1e-6), _heaps()))
+
+    assert messages.TOO_MANY_RUNS.is_in(text, response="angle_of_repose", most=1000)
+    assert not messages.TO_VERIFY.is_in(text)
+
+
 def test_parameters_of_a_target_out_of_reach_come_nearest_to_it() -> None:
     steepest, flattest = (estimate_of(_of_angle(angle, 0.5), _heaps()) for angle in (85.0, 1.0))
 

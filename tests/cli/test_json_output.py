@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from sand_files import FILE
 
+from grainfit.calibration_file.starter import starter_file
 from tests.commands import grainfit_here
 
 DOCS = Path(__file__).parents[2] / "docs" / "command_line.md"
@@ -83,7 +84,19 @@ def test_estimate_document_says_that_nothing_was_simulated(tmp_path: Path) -> No
     assert found["status"] == "estimate: not simulated"
     density = found["parameters"]["particle.density"]
     assert density["low"] < density["value"] < density["high"]
-    assert found["responses"]["angle_of_repose"]["measured"] == {"value": 34.0, "tolerance": 1.0}
+    angle = found["responses"]["angle_of_repose"]
+    assert angle["measured"] == {"value": 34.0, "tolerance": 1.0}
+    assert (angle["is_in_reach"], angle["agrees"]) == (True, True)
+
+
+def test_an_estimate_that_is_less_sure_says_so_as_a_document_too(tmp_path: Path) -> None:
+    heap = 'type = "heap"'
+    file = starter_file(["heap"]).replace(heap, f'{heap}\nlift_speed = "500 mm/s"')
+    (tmp_path / "fast.toml").write_text(file)
+
+    found = document(tmp_path, "estimate", "fast.toml")
+
+    assert all("lift_speed" in found["less_sure"][name] for name in found["responses"])
 
 
 def test_result_document_is_the_result_file(sand: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,6 +46,10 @@ _WIDER, _NARROWEST = 1.5, 0.2
 _NARROWS, _REPRESENTATIVES = 0.85, 400
 #: Standard errors within which a target can be met, and points all over that show whether any does.
 _REACH, _SPREAD = 2.5, 512
+#: Of the density where the atlas has no rows, to its logarithm.
+_NOWHERE = -100.0
+#: Runs of a test that nobody makes.
+_MOST_RUNS = 1000
 
 
 @dataclass(frozen=True)
@@ -89,31 +93,39 @@ class EstimatedResponse:
         Expected response at the most probable parameters, and its standard error by the atlas.
     scatter : float
         Standard deviation of a run.
+    is_in_reach : bool
+        Whether some parameters within the intervals give the measured value.
     """
 
     target: Target
     value: float
     standard_error: float
     scatter: float
+    is_in_reach: bool
 
     @property
-    def is_in_reach(self) -> bool:
-        """Whether the measured value is met within the errors of both."""
+    def agrees(self) -> bool:
+        """Whether the measured value is met there within the errors of both."""
         return bool(self._off <= _reach(self.target.tolerance, self.standard_error))
 
     @property
     def is_met(self) -> bool:
-        """Whether the measured value is met within its tolerance."""
+        """Whether the measured value is met there within its tolerance."""
         return self._off <= self.target.tolerance
 
-    @property
-    def runs_needed(self) -> int:
-        """Runs after which it is known whether the target is met.
+    def runs_needed(self, *, at_bound: bool) -> int:
+        """Return the number of runs after which it is known whether the target is met.
 
         Their mean has a 95 % interval within the tolerance, or is known to be at its edge.
+
+        Parameters
+        ----------
+        at_bound : bool
+            Whether an interval keeps the search from parameters that come nearer.
         """
         tolerance = self.target.tolerance
-        room = max(tolerance - self._off, 2 * VERDICT.known_edge * tolerance)
+        off = self._off if at_bound else 0.0
+        room = max(tolerance - off, 2 * VERDICT.known_edge * tolerance)
         return max(VERDICT.fresh_seeds, math.ceil((2 * self.scatter / room) ** 2))
 
     @property
@@ -137,6 +149,8 @@ class Estimate(Summary, OneLine):
         Why the atlas tells nothing about other targets.
     less_sure : mapping of str to str
         By target, which dimensions of its apparatus are beyond those of the atlas.
+    left_out : tuple of str
+        What parts of the intervals the atlas has no rows of: the estimate is of the rest.
     chance : float
         Chance that a run at the most probable parameters has all responses.
     runs : int
@@ -154,6 +168,7 @@ class Estimate(Summary, OneLine):
     best: Mapping[str, float]
     untold: Mapping[str, str]
     less_sure: Mapping[str, str]
+    left_out: tuple[str, ...]
     chance: float
     runs: int
     seconds: float | None
@@ -166,12 +181,18 @@ class Estimate(Summary, OneLine):
         """Names of the targets that no parameters within the intervals meet."""
         return tuple(one.target.name for one in self.responses if not one.is_in_reach)
 
+    @property
+    def at_odds(self) -> tuple[str, ...]:
+        """Names of the targets that some parameters meet, but none that meet the others, too."""
+        every = self.responses
+        return tuple(one.target.name for one in every if one.is_in_reach and not one.agrees)
+
     def expected_intervals(self) -> dict[str, tuple[float, float]]:
         """Return intervals in which a search begins: those of the estimate, half as wide again.
 
         Empty where the atlas knows no parameters that give the measured values.
         """
-        if self.out_of_reach:
+        if self.out_of_reach or self.at_odds:
             return {}
         return {one.parameter.name: one.expected_interval for one in self.parameters}
 
@@ -181,6 +202,7 @@ class Estimate(Summary, OneLine):
             messages.NOT_SIMULATED(),
             # Before the tables, which mean little then.
             *(messages.OUT_OF_REACH(response=name) for name in self.out_of_reach),
+            *(messages.AT_ODDS(response=name) for name in self.at_odds),
             TextTable(
                 ("parameter", "most probable", "95 % interval", "given"),
                 tuple(self._parameter_row(one) for one in self.parameters),
@@ -222,7 +244,7 @@ class Estimate(Summary, OneLine):
         )
 
     def _sentences(self) -> Iterator[str]:
-        off = [one.target.name for one in self.responses if one.is_in_reach and not one.is_met]
+        off = [one.target.name for one in self.responses if one.agrees and not one.is_met]
         if off and (ends := self._on_bounds):
             yield messages.BEYOND_BOUND(responses=in_a_row(off), names=in_a_row(ends))
         if still := [one.parameter.name for one in self.parameters if one.is_open]:
@@ -244,9 +266,19 @@ class Estimate(Summary, OneLine):
             yield messages.UNTOLD(responses=names, why=why)
         for names, why in _by_reason(self.less_sure):
             yield f"{names}: {why}"
-        if not self.out_of_reach:
-            time = "" if self.seconds is None else f", {duration(self.seconds)} on one core"
-            yield messages.TO_VERIFY(runs=self.runs, time=time)
+        yield from self.left_out
+        if self.out_of_reach or self.at_odds:
+            return
+        if self.runs > _MOST_RUNS:
+            widest = max(self.responses, key=lambda one: one.scatter / one.target.tolerance)
+            yield messages.TOO_MANY_RUNS(
+                response=widest.target.name,
+                times=number(widest.scatter / widest.target.tolerance, 2),
+                most=_MOST_RUNS,
+            )
+            return
+        time = "" if self.seconds is None else f", {duration(self.seconds)} on one core"
+        yield messages.TO_VERIFY(runs=self.runs, time=time)
 
 
 def _response_row(one: EstimatedResponse) -> tuple[str, ...]:
@@ -290,6 +322,7 @@ def estimate_of(
     def log_density(points: Array) -> Array:
         means, variances = forecast.predict(points)
         found = likelihood.logarithms(means, variances + misses**2)
+        found = found + np.where(forecast.is_inside(points), 0.0, _NOWHERE)
         return np.asarray(found + log_prior(problem, points) + np.log(forecast.chance(points)))
 
     sample = importance_sample(log_density, problem.dimension, np.random.default_rng(seed))
@@ -299,13 +332,14 @@ def estimate_of(
     means, variances = forecast.predict(top)
     scatters = forecast.scatter(top)[0]
     responses = tuple(
-        EstimatedResponse(target, float(mean), math.sqrt(variance), float(scatter))
-        for target, mean, variance, scatter in zip(
-            forecast.problem.targets, means[0], variances[0], scatters, strict=True
+        _at_best(target, mean, variance, scatter, miss)
+        for target, mean, variance, scatter, miss in zip(
+            forecast.problem.targets, means[0], variances[0], scatters, misses, strict=True
         )
     )
     best = {name: float(found[0]) for name, found in values_at(problem.parameters, top).items()}
-    runs = max(one.runs_needed for one in responses)
+    at_bound = any(bound_at(float(share)) for share in top[0])
+    runs = max(one.runs_needed(at_bound=at_bound) for one in responses)
     even = representatives(sample.points, weights, _REPRESENTATIVES, np.random.default_rng(seed))
     further = further_measurements(problem, solvers, even, atlas or shipped_atlas())
     return Estimate(
@@ -314,6 +348,7 @@ def estimate_of(
         best=best,
         untold=forecast.untold,
         less_sure=forecast.less_sure,
+        left_out=tuple(forecast.left_out(_spread(problem, seed))),
         chance=float(forecast.chance(top)[0]),
         runs=runs,
         seconds=_seconds(solvers, best, runs),
@@ -328,17 +363,33 @@ def _reach(tolerance: ArrayLike, standard_error: ArrayLike) -> Array:
     return np.hypot(tolerance, _REACH * np.asarray(standard_error))
 
 
+def _at_best(
+    target: Target, mean: float, variance: float, scatter: float, miss: float
+) -> EstimatedResponse:
+    """Return a response at the most probable parameters, given by how much all miss its target."""
+    found = EstimatedResponse(target, float(mean), math.sqrt(variance), float(scatter), miss == 0)
+    return replace(found, is_in_reach=True) if found.agrees else found
+
+
 def _misses(forecast: Forecast, problem: Problem, seed: int) -> Array:
     """Return by how much all parameters miss each target, shape (targets,); 0 of one in reach.
 
     As an error it makes the parameters count that come nearest, and not those of which least is
     known.
     """
-    points = spread_points(_SPREAD, problem.dimension, np.random.default_rng(seed))
+    points = _spread(problem, seed)
+    points = points[forecast.is_inside(points)]
+    if not len(points):
+        return np.zeros(len(problem.targets))
     means, variances = forecast.predict(points)
     off = np.abs(means - [target.value for target in problem.targets])
     within = _reach([target.tolerance for target in problem.targets], np.sqrt(variances))
     return np.where((off > within).all(axis=0), off.min(axis=0), 0.0)
+
+
+def _spread(problem: Problem, seed: int) -> Array:
+    """Return points all over the cube of the parameters, shape (m, d)."""
+    return spread_points(_SPREAD, problem.dimension, np.random.default_rng(seed))
 
 
 def _by_reason(untold: Mapping[str, str]) -> Iterator[tuple[str, str]]:

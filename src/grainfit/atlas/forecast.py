@@ -107,6 +107,22 @@ class Forecast:
             variances.append(variance * unit**2)
         return np.column_stack(means), np.column_stack(variances)
 
+    def is_inside(self, points: ArrayLike) -> Array:
+        """Return which points of the cube are not outside of the rows, shape (m,)."""
+        outside = [found for _, found in self._outside(points)]
+        return np.asarray(~np.any(outside, axis=0))
+
+    def left_out(self, points: ArrayLike) -> Iterator[str]:
+        """Yield a sentence for every range of the rows that some points are outside of."""
+        yield from dict.fromkeys(range_ for range_, found in self._outside(points) if found.any())
+
+    def _outside(self, points: ArrayLike) -> Iterator[tuple[str, Array]]:
+        """Yield every range of the rows with which points are outside of it."""
+        values = values_at(self._parameters, np.atleast_2d(np.asarray(points)))
+        for reading in {id(one.reading): one.reading for one in self._told}.values():
+            for name, found in reading.outside(values).items():
+                yield reading.left_out(name), found
+
     def _difference(self, one: _Told) -> Difference:
         stratum = one.reading.stratum.name
         told = self._atlas.difference(one.solver.name, stratum, one.response)

@@ -12,7 +12,11 @@ WALLS = Message("the atlas has one material of all walls, and this test has part
 DAMPING = Message("{name} is {value:.3g}, and 0 in the atlas")
 SOFT_WALL = Message("walls are hardly stiffer than the particles, and rigid in the atlas")
 OTHER_OPTION = Message("{name} is {value}, and {usual} in the atlas for an apparatus of this size")
-OUTSIDE = Message("{name} is {value:.3g}, and in the atlas {low:.3g} to {high:.3g}")
+OUTSIDE = Message("{name} is {value}, and in the atlas {low} to {high}")
+LEFT_OUT = Message(
+    "The atlas has {name} from {low} to {high} alone: the estimate is of that part of the "
+    "intervals."
+)
 LESS_SURE = Message(
     "{name} is {value:.3g} times the usual one, and {low:.3g} to {high:.3g} in the atlas: "
     "responses are those at its end, and less sure by what the range changes."
@@ -29,6 +33,10 @@ NOT_SIMULATED = Message(
 ESTIMATED = Message("{name}: {value}, 95 % interval {interval}.")
 ERRORS = Message("± standard error of the atlas; of measured values, the tolerance")
 OUT_OF_REACH = Message("{response}: no parameters within the intervals give the measured value.")
+AT_ODDS = Message(
+    "{response}: some parameters within the intervals give the measured value, but none that give "
+    "the other measured values, too."
+)
 BEYOND_BOUND = Message(
     "{responses}: off by more than the tolerance. Values of {names} beyond the ends of the "
     "intervals would be nearer."
@@ -39,8 +47,12 @@ WOULD_NARROW = Message(
     "% of its present interval."
 )
 MAY_FAIL = Message(
-    "A run there has all responses with a chance of {chance:.0f} % only: the others make no heap "
-    "that can be measured."
+    "A run there has all responses with a chance of {chance:.0f} % only: the others cannot be "
+    "measured."
 )
 UNTOLD = Message("Left out, {responses}: {why}.")
 TO_VERIFY = Message("A calibration verifies it with about {runs} runs of each test{time}.")
+TOO_MANY_RUNS = Message(
+    "No calibration of a usual length verifies it: {response} scatters by {times} times its "
+    "tolerance from run to run, which takes more than {most:,} runs."
+)

@@ -14,6 +14,7 @@ from grainfit.arrays import Array
 from grainfit.atlas import messages
 from grainfit.atlas.strata import SIZE, STIFFNESS, Particles, Stratum, strata
 from grainfit.bulk_tests.abilities import friction_options
+from grainfit.bulk_tests.apparatus import shown_value
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.natural_units import Scale, unit_of_parameter
 from grainfit.bulk_tests.parameter_names import (
@@ -30,7 +31,7 @@ from grainfit.bulk_tests.stiffness import stiffness_number
 from grainfit.bulk_tests.varied_options import NUMERICAL
 from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
-from grainfit.formatting import in_a_row
+from grainfit.formatting import in_a_row, number
 from grainfit.materials.walls import PLAIN, on_wall, plain_name, wall_of
 from grainfit.solvers.base import Solver
 from grainfit.units import powers
@@ -40,6 +41,11 @@ _SAME = 0.05
 #: Walls are rigid when their modulus is so many times that of the particles.
 _RIGID = 30.0
 _DAMPING = "particle_particle.rolling_damping"
+#: Inputs that are no option or parameter of the file, for readers.
+_IN_WORDS = {
+    STIFFNESS: "the stiffness number (Young's modulus over what presses particles together)",
+    SIZE: "the size of the apparatus over the usual one",
+}
 #: Parameters that move an input, besides those that are one. Trials showed no effect of the
 #: restitution of walls: rows have that of the particles.
 _TOLD = frozenset({WALL_RESTITUTION, DENSITY, MODULUS})
@@ -176,16 +182,40 @@ class Reading:
         """
         values = {name: np.array([value]) for name, value in parameters.items()}
         inputs = self.inputs({**self._material, **values})
-        limit = self.stratum.particles.limit
-        for (name, span), at in zip(self.ranges.items(), self.shares(values)[0], strict=True):
-            # Dry spheres are known, too.
-            low = min(limit.get(name, span.low), span.low)
-            is_inside = span.share(low) - _SAME <= at <= span.limit + _SAME
-            if name not in self._chosen and not is_inside:
+        for name, is_outside in self.outside(values).items():
+            if is_outside.any():
                 value = float(np.asarray(inputs[name]).flat[0])
                 raise NotInAtlasError(
-                    messages.OUTSIDE(name=name, value=value, low=low, high=span.high)
+                    messages.OUTSIDE(value=number(value, 3), **self._range_in_words(name))
                 )
+
+    def outside(self, values: Mapping[str, Array]) -> dict[str, Array]:
+        """Return which points are outside of the rows, by the input, each of shape (m,).
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray
+            Free parameters, SI, each of shape (m,).
+        """
+        return {
+            name: (at < span.share(self._lowest(name)) - _SAME) | (at > span.limit + _SAME)
+            for (name, span), at in zip(self.ranges.items(), self.shares(values).T, strict=True)
+            if name not in self._chosen
+        }
+
+    def left_out(self, name: str) -> str:
+        """Return a sentence that intervals go beyond the rows with an input."""
+        return messages.LEFT_OUT(**self._range_in_words(name))
+
+    def _range_in_words(self, name: str) -> dict[str, str]:
+        low, high = number(self._lowest(name), 3), number(self.ranges[name].high, 3)
+        shown = f"{name} / (ρ g d)" if name in self.stratum.varied.loads else name
+        return {"name": _IN_WORDS.get(name, shown), "low": low, "high": high}
+
+    def _lowest(self, name: str) -> float:
+        """Return the lower end of an input: dry spheres are known, too."""
+        low = self.ranges[name].low
+        return min(self.stratum.particles.limit.get(name, low), low)
 
     @cached_property
     def _chosen(self) -> Collection[str]:
@@ -298,7 +328,11 @@ def _apparatus_inputs(stratum: Stratum, test: BulkTest, *, is_nearest: bool) -> 
     for name in varied.factors:
         if given[name] is None:
             raise NotInAtlasError(
-                messages.OTHER_OPTION(name=name, value="not there", usual=_shown(at_size[name]))
+                messages.OTHER_OPTION(
+                    name=name,
+                    value=_shown(test, name, None),
+                    usual=_shown(test, name, at_size[name]),
+                )
             )
         usual[name] = given[name] / at_size[name]
     if is_nearest:
@@ -308,7 +342,11 @@ def _apparatus_inputs(stratum: Stratum, test: BulkTest, *, is_nearest: bool) -> 
         is_input = name in varied.values or name in (*varied.indifferent, *NUMERICAL)
         if not is_input and not _is_same(value, alike[name]):
             raise NotInAtlasError(
-                messages.OTHER_OPTION(name=name, value=_shown(value), usual=_shown(alike[name]))
+                messages.OTHER_OPTION(
+                    name=name,
+                    value=_shown(test, name, value),
+                    usual=_shown(test, name, alike[name]),
+                )
             )
     return {name: usual[name] for name in (SIZE, *varied.factors)}
 
@@ -319,5 +357,7 @@ def _is_same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def _shown(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+def _shown(test: BulkTest, name: str, value: Any) -> str:
+    """Return the value of an option for readers."""
+    [key] = [one for one in test.option_keys() if one.name == name]
+    return shown_value(key, value) or "not given"

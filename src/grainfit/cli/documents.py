@@ -175,13 +175,15 @@ def estimate_document(file: Path | None, found: Estimate) -> dict[str, Any]:
         },
         "responses": {
             one.target.name: {
-                **_fields(one, "value", "standard_error", "scatter", "is_in_reach"),
+                **_fields(one, "value", "standard_error", "scatter", "is_in_reach", "agrees"),
                 "unit": one.target.unit,
                 "measured": _fields(one.target, "value", "tolerance"),
             }
             for one in found.responses
         },
         "untold": found.untold,
+        "less_sure": found.less_sure,
+        "left_out": found.left_out,
         "chance": found.chance,
         "runs": found.runs,
         "seconds": found.seconds,
