@@ -22,6 +22,7 @@ from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
 from grainfit.cli import messages as cli_messages
 from grainfit.errors import StoreError
+from grainfit.ground_messages import CANNOT_BE_WRITTEN
 from grainfit.materials import messages as of_materials
 from grainfit.report import verdict_messages as messages
 from grainfit.verdict import messages as of_verdict
@@ -377,3 +378,24 @@ def test_everything_public_is_there_when_it_is_first_used() -> None:
         "assert not hasattr(grainfit, 'calibrat')\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["estimate", "--diameter", "3mm", "--density", "900", "--angle", "30deg", "-o"],
+        ["atlas", "--output"],
+        ["size", "heap.toml", "-o"],
+        ["ask"],
+    ],
+    ids=["estimate", "atlas", "size", "ask"],
+)
+@pytest.mark.parametrize("place", ["no folder/it.png", "."])
+def test_a_place_that_cannot_be_written_is_named_before_anything_is_done(
+    tmp_path: Path, arguments: list[str], place: str
+) -> None:
+    done = grainfit(*arguments, place, folder=tmp_path, code=1)
+
+    assert CANNOT_BE_WRITTEN.is_in(done.stderr, path=place)
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,6 +13,7 @@ from grainfit.cli import messages
 from grainfit.cli.completion import complete_setting
 from grainfit.cli.help_texts import WORK_FOLDER, shown_default
 from grainfit.errors import InputError
+from grainfit.files import writing
 
 CalibrationPath = Annotated[
     Path, typer.Argument(metavar="FILE", help="Calibration file (TOML).", show_default=False)
@@ -56,8 +59,8 @@ def settings_option(text: str) -> Any:
 
 
 def output_option(metavar: str, text: str) -> Any:
-    """Return the option of the file that a command writes."""
-    return typer.Option("--output", "-o", metavar=metavar, help=text)
+    """Return the option of the file that a command writes; its folder is there before it begins."""
+    return typer.Option("--output", "-o", metavar=metavar, help=text, callback=require_place)
 
 
 Force = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
@@ -72,6 +75,17 @@ def require_free(path: Path | None, *, force: bool) -> None:
         return
     if path.is_file():
         raise InputError(messages.NOT_REPLACED.fault("", file=str(path)))
+
+
+def require_place(path: Path | None) -> Path | None:
+    """Return the path of a file to write; raise `InputError` where there can be none."""
+    if path is not None:
+        with writing(path):
+            if path.is_dir():
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            if not path.absolute().parent.is_dir():
+                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+    return path
 
 
 def open_in_browser(path: Path) -> None:

@@ -273,7 +273,7 @@ def without_measured(text: str, number: int, test: dict[str, Any], response: str
 
 def _chosen(key: str, given: Iterable[str], known: Iterable[str]) -> list[str]:
     names = [name for part in given if (name := part.strip())]
-    known = list(known)
+    known = list(dict.fromkeys(known))
     for name in names:
         if name not in known:
             row = ", ".join(known)

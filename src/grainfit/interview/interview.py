@@ -14,7 +14,7 @@ from grainfit.calibration_file.planned import load_planned_file
 from grainfit.calibration_file.starter import starter_test
 from grainfit.calibration_file.suited_material import factor_for_few, most_particles
 from grainfit.errors import Fault, InputError
-from grainfit.files import write_atomically
+from grainfit.files import write_atomically, writing
 from grainfit.formatting import in_a_row
 from grainfit.interview import answers, messages
 from grainfit.interview.equipment import Way, way_of, ways
@@ -228,10 +228,11 @@ class Interview(OneLine):
 
         Raises
         ------
-        OSError
+        InputError
             It cannot be written; what was there is still there.
         """
-        write_atomically(self.path, self.text)
+        with writing(self.path):
+            write_atomically(self.path, self.text)
 
     def setup(self) -> CalibrationSetup:
         """Return the calibration of the tests that are measured so far, ready to run.

@@ -8,6 +8,7 @@ import numpy as np
 from PIL import Image
 
 from grainfit.atlas.estimate import Estimate, EstimatedParameter
+from grainfit.files import writing
 from grainfit.formatting import unit_for_people
 from grainfit.measurement.line_panel import PlottedLine, line_panel
 from grainfit.measurement.sheet import FLANK, OVERSAMPLING, sheet
@@ -20,13 +21,20 @@ _POINTS, _KERNEL = 160, 0.03
 
 
 def draw_estimate(estimate: Estimate, path: Path) -> None:
-    """Write a PNG of the probability density of every parameter over its given interval."""
+    """Write a PNG of the probability density of every parameter over its given interval.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
     panels = [_panel(estimate, axis, one) for axis, one in enumerate(estimate.parameters)]
     subtitle = (
         "blue: probability density by the atlas; orange: 95 % interval and most probable value. "
         "Not simulated: a calibration verifies it"
     )
-    sheet("Estimate of the parameters", subtitle, panels, _WIDTH).save(path)
+    with writing(path):
+        sheet("Estimate of the parameters", subtitle, panels, _WIDTH).save(path, "png")
 
 
 def _panel(estimate: Estimate, axis: int, one: EstimatedParameter) -> Image.Image:

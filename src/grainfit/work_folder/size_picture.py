@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image
 
 from grainfit.analysis.size_study import SizesOfTest, SizeStudy
+from grainfit.files import writing
 from grainfit.measurement.line_panel import PlottedLine, line_panel
 from grainfit.measurement.sheet import FLANK, OVERSAMPLING, sheet
 from grainfit.problem import Target
@@ -23,13 +24,22 @@ _END = 0.01
 
 
 def draw_sizes(study: SizeStudy, path: Path) -> None:
-    """Write a PNG of every response over the size, and of the trend to the goal."""
+    """Write a PNG of every response over the size, and of the trend to the goal.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
     panels = [_panel(test, target) for test in study.tests for target in test.targets]
     subtitle = (
         "blue: simulated, mean ± standard error; orange: the trend, and its 95 % interval at the "
         "size that was asked for. Size: cube root of the number of particles"
     )
-    sheet("Responses over the size of the apparatus", subtitle, panels, _WIDTH).save(path)
+    with writing(path):
+        sheet("Responses over the size of the apparatus", subtitle, panels, _WIDTH).save(
+            path, "png"
+        )
 
 
 def _panel(test: SizesOfTest, target: Target) -> Image.Image:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,7 +15,7 @@ from grainfit.cli.asking import as_names, can_ask, show_options
 from grainfit.cli.completion import complete_material
 from grainfit.cli.consoles import err, err_remarks, out
 from grainfit.cli.exit_codes import INTERRUPTED
-from grainfit.cli.options import NewCalibrationPath, TestSolver
+from grainfit.cli.options import NewCalibrationPath, TestSolver, require_place
 from grainfit.errors import InputError
 from grainfit.files import writing
 from grainfit.formatting import plain, plain_lines
@@ -74,6 +75,7 @@ def ask(
     """
     from grainfit.interview.interview import Interview
 
+    require_place(file)
     interview = Interview.open(file, solver)
     if sheet is not None:
         _write_sheet(interview, sheet)
@@ -87,7 +89,7 @@ def ask(
         if not conversation.interview.text:
             raise
         err.print()
-        err.print(messages.ANSWERS_KEPT(file=file), highlight=False, markup=False)
+        err.print(messages.ANSWERS_KEPT(file=shlex.quote(str(file))), highlight=False, markup=False)
         raise typer.Exit(INTERRUPTED) from None
     if _is_ready(conversation.interview, file) and can_ask() and typer.confirm("Start it now?"):
         from grainfit.cli.commands.run import calibrate_file
@@ -227,11 +229,11 @@ def _is_ready(interview: Interview, file: Path) -> bool:
     for words in interview.left:
         show.print_warning(err, words)
     if interview.left:
-        err.print(messages.LEFT(file=file), highlight=False, markup=False)
+        err.print(messages.LEFT(file=shlex.quote(str(file))), highlight=False, markup=False)
         return False
     plan = interview.plan()
     show.print_plan(out, plan)
-    err.print(messages.READY(file=file), highlight=False, markup=False)
+    err.print(messages.READY(file=shlex.quote(str(file))), highlight=False, markup=False)
     return not plan.problems
 
 

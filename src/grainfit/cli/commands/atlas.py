@@ -27,10 +27,11 @@ def atlas(
     """
     from grainfit.atlas.shelf import shipped_atlas
     from grainfit.atlas_page.page import atlas_page
-    from grainfit.files import write_atomically
+    from grainfit.files import write_atomically, writing
 
     path = output or Path("grainfit-atlas.html")
-    write_atomically(path, atlas_page(shipped_atlas()))
+    with writing(path):
+        write_atomically(path, atlas_page(shipped_atlas()))
     counts = shipped_atlas().counts
     rows = ", ".join(f"{name} {count}" for name, count in counts.items())
     damaged = [

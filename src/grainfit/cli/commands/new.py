@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -61,7 +62,7 @@ def new(
     _write_new(file, starter_file(test or ["heap"], begin, solver))
     if begin is not None:
         show.print_starting_intervals(out_remarks, begin)
-    out_remarks.print(messages.WRITTEN(file=file), highlight=False, markup=False)
+    out_remarks.print(messages.WRITTEN(file=shlex.quote(str(file))), highlight=False, markup=False)
 
 
 def _write_new(file: Path, text: str) -> None:

@@ -69,5 +69,6 @@ def size(
             **report,
         )
     picture = output or Path(f"{file.stem}.size.png")
+    show.print_parts(out, study.summary())
     draw_sizes(study, picture)
-    show.print_parts(out, (*study.summary(), f"Picture: {picture}"))
+    show.print_parts(out, (f"Picture: {picture}",))

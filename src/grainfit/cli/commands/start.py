@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 from grainfit.cli import messages
@@ -36,4 +37,8 @@ def start(
     server = StartServer(file, listen(port), solver)
     serve_page(server, "Start", open_page)
     if server.is_running:
-        err.print(messages.GOES_ON(folder=server.work_folder), highlight=False, markup=False)
+        err.print(
+            messages.GOES_ON(folder=shlex.quote(str(server.work_folder))),
+            highlight=False,
+            markup=False,
+        )
