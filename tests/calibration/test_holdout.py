@@ -22,13 +22,13 @@ from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
 from grainfit.calibration import messages as of_calibration
 from grainfit.calibration.registrations import HOLDOUTS_NAME, hash_of_targets
 from grainfit.calibration_file import messages as of_calibration_file
+from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.report.section import ReportContext
 from grainfit.report.sections.holdout.section import holdout as section
 from grainfit.verdict import messages
 from grainfit.verdict.options import HOLDOUT
-from grainfit.work_folder import messages as folder_messages
 
 RUNS = HOLDOUT.answer_seeds + HOLDOUT.posterior_draws + HOLDOUT.prior_draws
 #: Friction of the material, and what it gives in the test that is not fitted.
@@ -297,6 +297,33 @@ def test_a_hold_out_is_not_called_like_a_fitted_test() -> None:
         gf.calibrate(problem(), heap, holdouts=[other])
 
 
+def test_what_is_fitted_is_no_hold_out_under_another_name(tmp_path: Path) -> None:
+    test = FILE[FILE.index("[[test]]") :].replace('"heap"', '"other_heap"')
+    path = files(tmp_path, test.replace("[[test]]", "[[holdout]]"))
+
+    problems = " ".join(describe_plan(gf.load(path)).problems)
+    with pytest.raises(gf.InputError) as refused:
+        gf.load(path).calibrate(tmp_path / "work")
+
+    for text in (problems, str(refused.value)):
+        assert of_calibration.HOLDOUT_WAS_FITTED.is_in(text, test="heap")
+        assert "other_heap" in text
+
+
+def test_another_response_of_a_fitted_test_may_be_held_out(tmp_path: Path) -> None:
+    model = MODEL.replace('return {"angle": 10', 'return {"height": 7.0, "angle": 10')
+    path = files(
+        tmp_path,
+        FILE[FILE.index("[[test]]") :]
+        .replace("[[test]]", "[[holdout]]")
+        .replace('"heap"', '"other_heap"')
+        .replace("targets.angle = { value = 30.0", "targets.height = { value = 7.0"),
+    )
+    (tmp_path / "model.py").write_text(model)
+
+    assert not describe_plan(gf.load(path)).problems
+
+
 def test_the_command_predicts_later_for_folder_card_and_values(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -321,7 +348,7 @@ def test_the_command_predicts_later_for_folder_card_and_values(
     assert status["holdouts"][0]["responses"]["flow"]["verdict"] == "predicts"
     with pytest.raises(gf.InputError) as refused:
         gf.predict(path, tests=["heap"])
-    assert folder_messages.WAS_FITTED.is_in(str(refused.value))
+    assert of_calibration.HOLDOUT_WAS_FITTED.is_in(str(refused.value), test="heap")
     # The same runs, and parameter sets, whoever asks.
     drawn = json.loads(Path("sand.grainfit", HOLDOUTS_NAME).read_text())["draws"]
     assert len(drawn) == 1

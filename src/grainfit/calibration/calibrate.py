@@ -189,7 +189,7 @@ def calibrate(
     cheaper = relatives_of(problem, relatives or {})
     _check_timeouts(timeouts or {}, solvers)
     require_ready(problem, solvers)
-    require_holdouts(problem, list(solvers), holdouts)
+    require_holdouts(problem, solvers, holdouts)
     for solver in cheaper.values():
         solver.check()
     verification_runs = verification_runs or VERDICT.fresh_seeds

@@ -164,15 +164,26 @@ def _plain(intervals: Mapping[str, tuple[float, float]]) -> dict[str, list[float
     return {name: list(ends) for name, ends in intervals.items()}
 
 
-def require_holdouts(problem: Problem, tests: Sequence[str], holdouts: Sequence[Holdout]) -> None:
-    """Raise `InputError` for hold-outs that cannot be simulated, or that are not told apart.
+def require_holdouts(
+    problem: Problem, solvers: Mapping[str, Solver], holdouts: Sequence[Holdout]
+) -> None:
+    """Raise `InputError` for hold-outs that cannot be simulated, or that were fitted.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and fitted targets.
+    solvers : mapping of str to Solver
+        Of the fitted tests, by name.
+    holdouts : sequence of Holdout
+        The hold-outs.
 
     Raises
     ------
     InputError, SolverNotFoundError
         The first reason.
     """
-    taken = set(tests)
+    taken = set(solvers)
     for holdout in holdouts:
         key = f"holdout {holdout.name}"
         if holdout.name in taken:
@@ -180,6 +191,35 @@ def require_holdouts(problem: Problem, tests: Sequence[str], holdouts: Sequence[
         taken.add(holdout.name)
         InputError.raise_for(replace(f, key=key) for f in _faults(problem, holdout))
         holdout.model.check()
+    require_not_fitted(
+        problem, {identity_of(one.model()): name for name, one in solvers.items()}, holdouts
+    )
+
+
+def require_not_fitted(
+    problem: Problem, fitted: Mapping[str, str], holdouts: Sequence[Holdout]
+) -> None:
+    """Raise `InputError` for a hold-out whose responses were fitted in the same simulation.
+
+    Parameters
+    ----------
+    problem : Problem
+        Free parameters and fitted targets.
+    fitted : mapping of str to str
+        Names of the fitted tests by the hash of their model.
+    holdouts : sequence of Holdout
+        The hold-outs.
+
+    Raises
+    ------
+    InputError
+        The first one.
+    """
+    for holdout in holdouts:
+        test = fitted.get(identity_of(holdout.model.model()))
+        if test is not None and not holdout.needed.isdisjoint(problem.measured_in(test)):
+            fault = messages.HOLDOUT_WAS_FITTED.fault(f"holdout {holdout.name}", test=test)
+            raise InputError(fault)
 
 
 def _faults(problem: Problem, holdout: Holdout) -> Iterator[Fault]:

@@ -65,6 +65,10 @@ WARM_START = Message("Warm start from {runs} earlier runs: {places}.")
 HOLDOUT_OF_SAME_NAME = Message(
     "has the name of another test.", 'Give it a name of its own: name = "...".'
 )
+HOLDOUT_WAS_FITTED = Message(
+    "is the simulation of the fitted test {test}, and its measured values are fitted there.",
+    "Name a test that takes no part in the fit, or other responses of this one.",
+)
 HOLDOUT_WITHOUT_RESPONSE = Message("yields no {name}.", "There are: {responses}.")
 HOLDOUTS_UNREADABLE = Message("{path!r} cannot be read: {why}.")
 HOLDOUTS_DAMAGED = Message(

@@ -183,7 +183,7 @@ def _add_holdouts(
         try:
             model = holdout.model
             executes += [f"hold-out {holdout.name}: {line}" for line in model.executes()]
-            require_holdouts(setup.problem, list(setup.solvers), [holdout])
+            require_holdouts(setup.problem, setup.solvers, [holdout])
             if call_scenes or not _has_code(model):
                 lines.append(holdout_line(holdout, setup.problem, setup.workers))
         except GrainfitError as error:
@@ -327,7 +327,7 @@ def _price(
         yield f"  {finest_class}"
         if sizes.origin is not None:
             limit, rest = sizes.origin.without_finest(_FINEST)
-            rest = rest.coarse_grained(sizes.coarse_graining)
+            rest = replace(rest, shape=sizes.shape).coarse_grained(sizes.coarse_graining)
             share = _seconds(_with_sizes(tests, rest), material) / whole
             without_finest = messages.WITHOUT_FINEST(
                 smallest=1000 * limit,

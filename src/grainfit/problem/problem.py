@@ -305,6 +305,17 @@ class Problem:
         own = [t for t in self.targets if not self.tests or self.scope_of(t.name).name == test]
         return {target.name.removeprefix(f"{test}."): target for target in own}
 
+    def measured_in(self, test: str) -> set[str]:
+        """Return the names in it of all responses of a test that are measured, curves included.
+
+        Parameters
+        ----------
+        test : str
+            Name of the test.
+        """
+        own = [c for c in self.curves if not self.tests or self.scope_of(c.name).name == test]
+        return {*self.targets_of(test), *(curve.name.removeprefix(f"{test}.") for curve in own)}
+
     def widened_to(self, points: Sequence[Mapping[str, float]]) -> Problem:
         """Return the problem with its intervals widened to some parameter sets."""
         parameters = [p.widened_to([values[p.name] for values in points]) for p in self.parameters]

@@ -145,7 +145,6 @@ NO_HOLDOUT = Message(
     "there is no [[holdout]] in the file.", "Add one, or name a test: --test NAME."
 )
 NO_SUCH_TEST = Message("{given!r} is no test of the file.", "{remedy}")
-WAS_FITTED = Message("was fitted in this calibration.", "Name a test that took no part in it.")
 NO_POSTERIOR = Message("no parameter set agrees with the tests fitted in {folder!r}: {why}")
 MATERIAL_UNREADABLE = Message(
     "{path!r} cannot be read: {why}.",

@@ -15,6 +15,7 @@ from grainfit.calibration.holdout import (
     Material,
     predict_holdout,
     require_holdouts,
+    require_not_fitted,
 )
 from grainfit.calibration.holdouts_after import options_of_holdout
 from grainfit.calibration.registrations import HoldoutFile
@@ -26,7 +27,6 @@ from grainfit.campaign.work_folder import RESULT_NAME, default_workdir, simulati
 from grainfit.errors import InputError, StoreError
 from grainfit.files import writing
 from grainfit.options.kinds import suggest
-from grainfit.problem import Problem
 from grainfit.result import HoldoutResult
 from grainfit.solvers.base import Solver
 from grainfit.tables import Summary
@@ -131,8 +131,9 @@ def predict(
         material = material_of_file(setup, place, settings)
     else:
         material = _material(setup, saved, settings)
-        _require_not_fitted(saved, material.problem, holdouts)
-    require_holdouts(material.problem, (), holdouts)
+        fitted = {one.definition.model_hash: one.test for one in saved.records.values()}
+        require_not_fitted(saved.problem, fitted, holdouts)
+    require_holdouts(material.problem, {}, holdouts)
     usual = place if saved is not None else simulations_folder(setup.file.path)
     folder = Path(workdir or usual).absolute()
     with ExitStack() as stack:
@@ -196,16 +197,6 @@ def _material(
         if values[parameter.name] != answer[parameter.name]:
             sample[:, axis] = parameter.to_unit(values[parameter.name])
     return Material(saved.problem, values, sample, saved.seed, saved.identity)
-
-
-def _require_not_fitted(
-    saved: SavedCalibration, problem: Problem, holdouts: Sequence[Holdout]
-) -> None:
-    fitted = {record.definition.model_hash for record in saved.records.values()}
-    for one in holdouts:
-        one.model.check()
-        if one.model.definition(problem.middle, 1).model_hash in fitted:
-            raise InputError(messages.WAS_FITTED.fault(f"test {one.name}"))
 
 
 def _keep(saved: SavedCalibration, found: Sequence[HoldoutResult]) -> None:
