@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 import grainfit
 from grainfit import ground_messages
 from grainfit.bulk_tests.heap import Heap
+from grainfit.calibration_file.starter import starter_file
 from grainfit.campaign import messages as of_campaign
 from grainfit.cards import FORMATS, MaterialCard, material_card, messages, render, write_card
 from grainfit.cli import messages as cli_messages
@@ -406,6 +407,30 @@ def test_a_model_of_ones_own_makes_cards_for_programs_and_no_others(
             render(card, to)
         assert f"a card for {to} needs particle.youngs_modulus, " in str(refused.value)
         assert "--to json" in str(refused.value)
+
+
+def test_the_card_of_a_model_of_ones_own_has_the_particles_of_its_file(tmp_path: Path) -> None:
+    sizes = '[{ value = "4 mm", mass_fraction = 0.5 }, { value = "5 mm", mass_fraction = 0.5 }]'
+    file = starter_file(["heap"])
+    file = file[: file.index("\n[[test]]") + 1].replace(
+        'diameter = "10 mm"', f"diameter = {sizes}\ncoarse_graining = 2"
+    )
+    (tmp_path / "model.py").write_text(
+        "def simulate(parameters, seed):\n"
+        "    return {'slope': 10 * parameters['particle_particle.sliding_friction']}\n"
+    )
+    (tmp_path / "own.toml").write_text(
+        file + '[[test]]\ntype = "python"\nfunction = "model.py:simulate"\n'
+        "targets.slope = { value = 5, uncertainty = 0.5 }\n"
+    )
+    grainfit.load(tmp_path / "own.toml").calibrate(tmp_path / "own.grainfit", max_runs=12)
+
+    card = material_card(tmp_path / "own.grainfit")
+
+    assert card.sizes is not None
+    assert card.sizes.coarse_graining == 2
+    assert card.sizes.real.diameters == pytest.approx((0.004, 0.005))
+    assert card.sizes.mass_fractions == (0.5, 0.5)
 
 
 def test_a_solver_is_not_given_what_no_material_has(card: MaterialCard) -> None:

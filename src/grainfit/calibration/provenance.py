@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.one_line import OneLine
 
 
@@ -27,6 +28,8 @@ class Provenance(OneLine):
         Definitions of the tests of which a smaller apparatus is simulated, by name.
     pictures : mapping of str to mapping of str to str
         Hashes of the photographs that the targets were measured on, by response and file.
+    particles : mapping of str to object
+        Definition of the particle sizes of the file; empty without any.
     """
 
     file: str = ""
@@ -35,6 +38,12 @@ class Provenance(OneLine):
     units: Mapping[str, str] = field(default_factory=dict)
     laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    particles: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def sizes(self) -> ParticleSizes | None:
+        """The particle sizes; None where they are not known."""
+        return ParticleSizes.from_definition(self.particles) if self.particles else None
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Provenance:
@@ -46,4 +55,5 @@ class Provenance(OneLine):
             units={str(name): str(unit) for name, unit in data.get("units", {}).items()},
             laboratory=dict(data.get("laboratory", {})),
             pictures=data.get("pictures", {}),
+            particles=dict(data.get("particles", {})),
         )

@@ -134,7 +134,8 @@ class CalibrationSetup(OneLine):
         laboratory = {name: self.solvers[name].model()["test"] for name in self.twins}
         units = material_units(fixed)
         pictures = hashes_of(self.file.photographed)
-        return Provenance(self.file.path.name, text, fixed, units, laboratory, pictures)
+        particles = {} if self.file.sizes is None else self.file.sizes.definition()
+        return Provenance(self.file.path.name, text, fixed, units, laboratory, pictures, particles)
 
     @property
     def missing_for_time_step(self) -> tuple[str, ...]:

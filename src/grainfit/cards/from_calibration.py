@@ -136,6 +136,8 @@ def _sizes(
 ) -> ParticleSizes | None:
     if conditions:
         return conditions[0].sizes.with_aspect_ratio(aspect_ratio)
+    if reading.sizes is not None:
+        return reading.sizes.with_aspect_ratio(aspect_ratio)
     rayleigh = reading.problem.rayleigh
     if rayleigh is None:
         return None

@@ -20,6 +20,7 @@ from grainfit.contact_models.registry import material_parameter
 from grainfit.errors import Fault, InputError, StoreError
 from grainfit.evaluation import ERROR_SUFFIX, Evaluation, names_of_tests, response_name
 from grainfit.formatting import counted
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import CurveTarget, Parameter, Problem, Target, TestScope
 from grainfit.relative_names import is_relative
@@ -85,6 +86,8 @@ class SavedCalibration:
         Options of the strategy that determine its runs.
     laboratory : mapping of str to mapping
         Definitions of the tests of which a smaller apparatus is simulated, by name.
+    sizes : ParticleSizes, optional
+        Of the calibration file; None where it has none, or is not known.
     """
 
     folder: Path
@@ -111,6 +114,7 @@ class SavedCalibration:
     failure: str = ""
     strategy_options: Mapping[str, Any] = field(default_factory=dict)
     laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    sizes: ParticleSizes | None = None
 
     @classmethod
     def of(cls, source: str | Path | SavedCalibration) -> SavedCalibration:
@@ -346,6 +350,7 @@ def _saved(
         failure=opened.failure,
         strategy_options=dict(definition.get("options", {})),
         laboratory=provenance.laboratory,
+        sizes=provenance.sizes,
     )
 
 
