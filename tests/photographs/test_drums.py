@@ -474,7 +474,7 @@ def test_faults_of_videos_have_line_key_and_what_to_do(folder: Path) -> None:
         ('{ photos = "turning.mp4" }', "photos[0]", file_messages.VIDEO_NOT_STILLS),
         ('{ video = "turning.mp4", distance = "1 m" }', "distance", file_messages.DISTANCE_ALONE),
         ('{ video = "none.mp4" }', "video[0]", file_messages.NO_SUCH_VIDEO),
-        ('{ video = ["turning.mp4", "turn*"] }', "video[1]", file_messages.SAME_PICTURE),
+        ('{ video = ["turning.mp4", "turn*"] }', "video[1]", messages.SAME_PICTURE),
         (
             '{ video = "turning.mp4", marker = true }',
             "video",

@@ -17,6 +17,8 @@ from grainfit.cli.app import app
 from grainfit.errors import NotMeasurableError
 from grainfit.photographs import messages
 from grainfit.photographs.camera import apparent_angle, true_angle, up_from
+from grainfit.photographs.heap import _unsure_elevation
+from grainfit.photographs.pictures import read_picture
 from grainfit.photographs.plate import Rim
 from tests.photographs.drawn_pictures import cone, unusable, usable
 from tests.photographs.rendered_pictures import Shot, save
@@ -148,7 +150,7 @@ def test_particles_as_large_as_their_heap_are_refused(pale: tuple[Path, Shot]) -
 
 def test_pictures_in_a_folder_show_one_heap(pale: tuple[Path, Shot], tmp_path: Path) -> None:
     (tmp_path / "one").mkdir()
-    for azimuth in (0, 60, 120):
+    for azimuth in (20, 80, 140):
         save(replace(pale[1], azimuth=azimuth), tmp_path / "one" / f"{azimuth}.jpg", exif=True)
     one = gf.photo(tmp_path / "one")
     single = gf.photo(pale[0])
@@ -226,3 +228,30 @@ def test_particles_that_classes_of_colours_miss_belong_to_the_heap(tmp_path: Pat
     save(shot, path, exif=True)
 
     assert gf.photo(path).heaps[0][0].angle == pytest.approx(angle_in_view(shot), abs=0.6)
+
+
+def test_a_camera_below_the_apex_is_as_sure_as_one_above() -> None:
+    """At the height of the plate it is 8 degrees below the apex of a near heap."""
+    below, above = (_unsure_elevation(30.0, elevation, 0.5) for elevation in (-8.2, 8.2))
+
+    assert below == above < 0.2
+
+
+def test_a_picture_of_16_bits_is_read_as_that_of_8(pale: tuple[Path, Shot]) -> None:
+    with Image.open(pale[0]) as image:
+        grey = image.convert("L")
+    folder = pale[0].parent
+    grey.save(folder / "eight.png")
+    Image.fromarray(np.asarray(grey).astype(np.uint16) * 257).save(folder / "sixteen.png")
+
+    eight, sixteen = (read_picture(folder / f"{name}.png") for name in ("eight", "sixteen"))
+
+    np.testing.assert_array_equal(eight.colours, sixteen.colours)
+
+
+def test_one_picture_given_twice_is_not_two_heaps(pale: tuple[Path, Shot]) -> None:
+    copy = pale[0].with_name("it's a copy.jpg")
+    shutil.copy(pale[0], copy)
+    with pytest.raises(gf.InputError) as refused:
+        gf.photo([pale[0], copy])
+    assert messages.SAME_PICTURE.is_in(str(refused.value), file=str(copy), other=str(pale[0]))

@@ -123,7 +123,7 @@ def test_the_same_picture_twice_is_refused(folder: Path) -> None:
 
     with pytest.raises(gf.InputError) as error:
         load(folder, ANGLE)
-    assert messages.SAME_PICTURE(file="heap_3.jpg", other="heap_1.jpg") in str(error.value)
+    assert of_photographs.SAME_PICTURE(file="heap_3.jpg", other="heap_1.jpg") in str(error.value)
 
 
 def test_an_outline_without_a_known_length_is_refused(folder: Path) -> None:

@@ -75,9 +75,6 @@ STILLS_NOT_VIDEO = Message("is {given}, which is no video.", "Name pictures with
 VIDEO_NOT_STILLS = Message(
     "is {given}, which is a video.", 'Videos of a drum are named with video = "...".'
 )
-SAME_PICTURE = Message(
-    "has {file}, which is the same file as {other}.", "It counts once: leave one of them out."
-)
 NO_KNOWN_LENGTH = Message(
     "is of use with a known length only.",
     "Give the diameter of the plate, or show the marker sheet: marker = true.",

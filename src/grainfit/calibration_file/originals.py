@@ -17,6 +17,7 @@ from grainfit.calibration_file.photographed import Original, PhotographedTarget
 from grainfit.errors import InputError
 from grainfit.files import is_file, is_folder
 from grainfit.options.places import Place, dotted, show
+from grainfit.photographs import messages as of_photographs
 
 Kept = TypeVar("Kept")
 #: Pictures near the calibration file that are searched for one that was moved.
@@ -68,7 +69,7 @@ def groups_of(
         groups += found
         for one in chain(*found):
             if one.sha256 in seen:
-                same = messages.SAME_PICTURE.fault("", file=one.file, other=seen[one.sha256])
+                same = of_photographs.SAME_PICTURE.fault("", file=one.file, other=seen[one.sha256])
                 at.refuse(same)
             seen[one.sha256] = one.file
     return None if len(place.findings.faults) > faults else groups

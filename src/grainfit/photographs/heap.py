@@ -217,7 +217,10 @@ def measure_heap(
         parts["particle size"] = abs(other(size=1 + _ESTIMATED) - found.angle)
     if picture.focal is None:
         focals = [limit * max(picture.colours.shape[:2]) for limit in FOCAL_RANGE]
-        angles = [other(focal=length, foot=camera_of(length)[0]) for length in focals]
+        try:
+            angles = [other(focal=length, foot=camera_of(length)[0]) for length in focals]
+        except NotMeasurableError as refused:
+            raise NotMeasurableError(messages.NO_FOCAL_LENGTH(why=refused)) from refused
         # Any focal length within the range is as likely as another.
         parts["focal length"] = (max(angles) - min(angles)) / math.sqrt(12)
     up = foot.up
@@ -592,8 +595,10 @@ def _unsure_elevation(angle: float, elevation: float, error: float) -> float:
     apparent = apparent_angle(angle, elevation)
     if math.isnan(apparent):
         return math.inf
-    # Beside the horizontal an elevation and its error do not matter in the first order.
-    others = (elevation + error, max(elevation - error, 0.0))
+    # From above and from below, a cone looks the same. Beside the horizontal an elevation and its
+    # error do not matter in the first order.
+    size = abs(elevation)
+    others = (size + error, max(size - error, 0.0))
     return max(abs(true_angle(apparent, other) - angle) for other in others)
 
 

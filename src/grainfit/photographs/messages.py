@@ -7,6 +7,9 @@ UNREADABLE = Message(
     "{path}: is not a picture that can be read ({reason}).",
     "Pictures are JPEG, HEIC, PNG, BMP or TIFF.",
 )
+SAME_PICTURE = Message(
+    "has {file}, which is the same file as {other}.", "It counts once: leave one of them out."
+)
 
 # Separation of the heap.
 NO_HEAP = Message(
@@ -14,6 +17,11 @@ NO_HEAP = Message(
     "like a cone (the best one agrees to {share:.0f} %, and {needed:.0f} % are needed).",
     "Put a plain background of another brightness behind the heap and on the table, keep other "
     "things out of the picture, and avoid shadows and mirrored light.",
+)
+NO_FOCAL_LENGTH = Message(
+    "the picture does not say the focal length of its lens (EXIF), and it cannot be measured with "
+    "every usual one: {why}",
+    "Take the file of the camera: messengers and editors remove what it says of the lens.",
 )
 CUT_OFF = Message(
     "the heap is cut off by the edge of the picture.",

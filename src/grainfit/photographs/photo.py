@@ -20,6 +20,7 @@ from grainfit.photographs.draw_down_photo import PhotographedDrawDowns, photo_dr
 from grainfit.photographs.drum import DrumSize
 from grainfit.photographs.drum_photo import PhotographedDrum, photo_drum
 from grainfit.photographs.heap import HeapInPicture, measure_heap
+from grainfit.photographs.kept_list import hash_of
 from grainfit.photographs.overlay import draw_overlay
 from grainfit.photographs.pictures import Picture, is_picture, opencv
 from grainfit.photographs.several import measure_each, with_sources
@@ -382,7 +383,20 @@ def _groups(pictures: PathLike | Sequence[PathLike | Sequence[PathLike]]) -> lis
             groups.append(found)
         else:
             groups.append([Path(one)])
+    _require_once([path for group in groups for path in group])
     return groups
+
+
+def _require_once(paths: Sequence[Path]) -> None:
+    """Raise `InputError` for a picture that is there twice: it would count as two heaps."""
+    seen: dict[str, Path] = {}
+    for path in paths:
+        # What cannot be read has no hash, and is named where it is measured.
+        content = hash_of(path)
+        if content and content in seen:
+            same = {"file": path, "other": seen[content]}
+            raise InputError(messages.SAME_PICTURE.fault("pictures", **same))
+        seen[content] = path
 
 
 class MeasuredPicture(Protocol):

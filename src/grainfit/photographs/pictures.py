@@ -22,6 +22,8 @@ SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".heic", ".heif")
 WORKING_LENGTH = 1600
 #: Diagonal of the film for which equivalent focal lengths are stated, mm.
 _FILM_DIAGONAL = math.hypot(36.0, 24.0)
+#: Brightest value of 8 bits.
+_WHITE = 255
 #: Equivalent focal lengths of cameras, mm.
 _FOCAL_LENGTHS = (8.0, 2000.0)
 
@@ -83,7 +85,7 @@ def read_picture(path: Path) -> Picture:
     try:
         with Image.open(path) as image:
             focal = _focal_length(image)
-            upright = ImageOps.exif_transpose(image).convert("RGB")
+            upright = _eight_bits(ImageOps.exif_transpose(image)).convert("RGB")
     except FileNotFoundError:
         raise InputError(messages.NO_FILE.fault("", path=path)) from None
     except (UnidentifiedImageError, OSError, ValueError, Image.DecompressionBombError) as error:
@@ -98,6 +100,14 @@ def read_picture(path: Path) -> Picture:
         focal *= math.hypot(*colours.shape[:2]) / _FILM_DIAGONAL
     drawn = read_by_hand(path).scaled(factor)
     return Picture(path, colours, focal, drawn, factor)
+
+
+def _eight_bits(image: Image.Image) -> Image.Image:
+    """Return a picture of 16 bits, of cameras in laboratories, with the 8 that Pillow converts."""
+    if not image.mode.startswith("I"):
+        return image
+    values = np.asarray(image)
+    return Image.fromarray((values // 257 if values.max() > _WHITE else values).astype(np.uint8))
 
 
 def _focal_length(image: Image.Image) -> float | None:
