@@ -190,3 +190,12 @@ def test_a_smaller_bucket_has_a_narrower_outlet_and_its_flow_follows_beverloo() 
     # The flow of a slot is that of its depth.
     slot = Hopper(diameter="10 mm", orifice="slot")
     assert growth(slot, "mass_flow", 8.0) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("diameter", [0.012, 0.018, 0.0508])
+def test_the_flow_that_is_expected_of_a_round_outlet_is_beverloos(diameter: float) -> None:
+    """0.58 rho sqrt(g) (D - 1.4 d)^2.5 (Beverloo, Leniger & van de Velde, 1961)."""
+    setup = Hopper(diameter="3 mm", orifice_diameter=diameter, width=0.2).setup
+    law = 0.58 * 0.58 * math.sqrt(setup.gravity) * (diameter - 1.4 * 0.003) ** 2.5
+
+    assert setup.beverloo_flow == pytest.approx(law)

@@ -9,7 +9,7 @@ from grainfit.bulk_tests.setup import Setup
 from grainfit.bulk_tests.shared.filling import Filling, plan_filling
 from grainfit.bulk_tests.shared.slot_box import default_length, measured_heights, shortest_flow
 from grainfit.bulk_tests.shared.slot_scene import Flow
-from grainfit.scenes.packing import Footprint
+from grainfit.scenes.packing import Footprint, mean_particle_volume
 from grainfit.scenes.scene import natural_time
 
 
@@ -34,6 +34,16 @@ class FlowSetup(Setup):
     def beverloo_time(self) -> float:
         """Time in which all particles flow out by Beverloo's law, s."""
         raise NotImplementedError
+
+    @property
+    def volume(self) -> float:
+        """Volume of all particles, m^3."""
+        return float(self.filling.particle_count * mean_particle_volume(self.sizes))
+
+    @property
+    def beverloo_flow(self) -> float:
+        """Volume of particles that flows out in a second by Beverloo's law, m^3/s."""
+        return self.volume / self.beverloo_time
 
     @property
     def bed_height(self) -> float:

@@ -10,7 +10,6 @@ from grainfit.bulk_tests.parameter_names import DENSITY
 from grainfit.bulk_tests.shared import messages
 from grainfit.checks import Found, check
 from grainfit.formatting import millimetres
-from grainfit.scenes.packing import mean_particle_volume
 
 #: A measured flow that many times less or more than Beverloo's law is due to a unit or a slip.
 #: Arches and cohesion make flows small; nothing makes them large.
@@ -32,9 +31,7 @@ def unusual_flow(checked: CheckedTest[Any]) -> Iterator[Found]:
     measured, setup = checked.targets.get("mass_flow"), checked.test.setup
     if not measured or DENSITY not in checked.lowest:
         return
-    volume = setup.filling.particle_count * mean_particle_volume(setup.sizes)
-    rate = volume / setup.beverloo_time
-    low, high = (ends[DENSITY] * rate for ends in (checked.lowest, checked.highest))
+    low, high = (ends[DENSITY] * setup.beverloo_flow for ends in (checked.lowest, checked.highest))
     if not low / _LESS <= measured <= high * _MORE:
         expected = (low * high) ** 0.5
         yield (
