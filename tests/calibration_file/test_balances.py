@@ -104,3 +104,19 @@ def test_a_curve_of_one_record_has_no_uncertainty(load: Load) -> None:
     with pytest.raises(gf.InputError) as error:
         load('targets.discharged_mass = { balance = "run_1.csv" }\n', record())
     assert messages.ONE_RECORD.is_in(str(error.value))
+
+
+@pytest.mark.parametrize("begun", [1.0, 1.01])
+def test_a_record_without_scatter_is_read_wherever_its_flow_begins(
+    load: Load, begun: float
+) -> None:
+    """Also where the outlet is opened just when a line is written."""
+    rows = [f"{t:.2f};{min(max(t - begun, 0) * 10, 20):.4f}" for t in np.arange(0.0, 5.0, 0.02)]
+    table = "t [s];m [g]\n" + "\n".join(rows) + "\n"
+
+    [target] = load(
+        'targets.mass_flow = { balance = "run_1.csv", tolerance = "3 %" }\n', table
+    ).problem.targets
+
+    assert target.value == pytest.approx(0.01, rel=1e-3)
+    assert target.uncertainty > 0

@@ -453,6 +453,8 @@ def measured_between(folder: Path, test: str, curve: str, places: str) -> Calibr
             "0.4 4 kPa",
             'below 500 Pa. Set seating_stress = "400 Pa", leave',
         ),
+        ("compression", "strain", "0 4 kPa", "below 500 Pa. Leave these points out, or correct"),
+        ("compression", "strain", "-0.5 4 kPa", "below 500 Pa. Leave these points out, or"),
         ("compression", "strain", "1 12 kPa", 'above 10000 Pa. Set stress = "12000 Pa", leave'),
         ("compression", "strain", "4 5 Pa", 'below 500 Pa. Set seating_stress = "4 Pa", leave'),
         (

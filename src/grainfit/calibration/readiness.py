@@ -103,7 +103,9 @@ def _faults_of_curve(name: str, curve: CurveTarget, known: CurveRange) -> Iterat
     needed: dict[str, float] = {}
     if first < known.low - slack:
         beyond.append(with_unit(f"below {known.low:.12g}", unit))
-        needed[known.low_option] = abs(first)
+        # What reaches as far to both sides has one option for them.
+        if first > 0 or known.low_option == known.high_option:
+            needed[known.low_option] = abs(first)
     if last > known.high + slack:
         beyond.append(with_unit(f"above {known.high:.12g}", unit))
         needed[known.high_option] = max(abs(last), needed.get(known.high_option, 0.0))

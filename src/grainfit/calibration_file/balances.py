@@ -31,6 +31,8 @@ BALANCE = "balance"
 WEIGHED = ("mass_flow", "discharge_time", "discharged_mass")
 #: Most lines of a record; points of a curve.
 _MOST_LINES, _POINTS = 200_000, 40
+#: Standard uncertainty of what a record without any scatter tells, over the value.
+_LEAST_UNCERTAINTY = 1e-6
 #: Share of the mass that has left when the outlet counts as open, and that may still leave in the
 #: last lines of a record.
 _BEGUN, _STILL = 0.01, 0.005
@@ -79,7 +81,7 @@ class Weighed:
         grown = np.maximum.accumulate(np.clip(left, 0.0, total))
         begun, tenth = (_time_of(times, grown, share * total) for share in (_BEGUN, 0.1))
         opened = begun - _BEGUN / (0.1 - _BEGUN) * (tenth - begun)
-        after = times >= opened
+        after = times > opened
         return cls(np.r_[opened, times[after]], np.r_[total, total - grown[after]])
 
     def measure(self, response: str) -> Response:
@@ -166,7 +168,8 @@ def _number(response: str, values: Values, place: Place) -> Target | None:
             rounded = [_digits(one.value) for one in measured]
             return Target.of_measurements(place.key, rounded, unit=unit, **options)
         shared = options.pop("systematic", 0.0)
-        uncertainty = _digits(float(np.hypot(measured[0].standard_error, shared)))
+        least = _LEAST_UNCERTAINTY * abs(mean)
+        uncertainty = _digits(max(float(np.hypot(measured[0].standard_error, shared)), least))
         return Target(place.key, _digits(mean), uncertainty, unit=unit, **options)
     except InputError as fault:
         place.note(fault, values, place.at(BALANCE))
