@@ -13,6 +13,7 @@ from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.instrument import instrument_names, read_instrument
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.apparatus import opening_lines, simulated_apparatus
+from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import starter_file, starter_test
 from grainfit.cli.app import app
 from grainfit.errors import InputError
@@ -148,3 +149,36 @@ def test_examples_of_stresses_follow_the_stress_of_an_instrument() -> None:
     text = starter_test("schulze_1_litre")
     assert '\nnormal_stress = "500 Pa"' in text
     assert 'targets.major_consolidation_stress = { value = "750 Pa"' in text
+
+
+@pytest.mark.parametrize(
+    ("apparatus", "test", "line", "dropped"),
+    [
+        ("granupack", "tapped", 'fill_height = "50 mm"', "bulk_density_top"),
+        ("cipac_mt_169", "tapped", 'fill_height = "90 mm"', "bulk_density_top"),
+        ("hall_flowmeter", "hopper", 'fill_height = "30 mm"', "fill_mass"),
+    ],
+)
+def test_another_filling_takes_what_goes_with_it_from_an_instrument(
+    tmp_path: Path, apparatus: str, test: str, line: str, dropped: str
+) -> None:
+    path = named(tmp_path, apparatus, line, 'orifice_diameter = "15 mm"', test=test)
+    if test == "tapped":
+        path = named(tmp_path, apparatus, line, test=test)
+    setup = gf.load(path)
+    origins = {one.name: one.origin for one in simulated_apparatus(setup)[test]}
+
+    assert dropped in read_instrument(apparatus).options
+    assert dropped not in setup.file.tests[0].of_instrument
+    assert origins["fill_height"] == "given"
+    assert dropped not in origins
+
+
+def test_heights_of_a_measure_are_listed_and_its_taps_are_not_too_few(tmp_path: Path) -> None:
+    setup = gf.load(named(tmp_path, "cipac_mt_169", test="tapped"))
+    values = {one.name: one for one in simulated_apparatus(setup)["tapped"]}
+
+    assert values["bulk_density_top"].value == "99 mm"
+    assert values["bulk_density_top"].origin == "instrument"
+    assert "bulk_density_bottom" not in values
+    assert "few-taps" not in {finding.check for finding in describe_plan(setup).findings}

@@ -408,3 +408,15 @@ def test_a_class_of_few_particles_is_told(
         volume = math.pi * 0.02**2 * 0.025
         expected = 0.05 * 0.58 * volume / (math.pi / 6 * 0.009**3)
         assert float(told[1]) == pytest.approx(expected, abs=1)
+
+
+def test_prices_of_clumps_are_those_of_clumps(written: Callable[..., Path]) -> None:
+    sizes = "diameter.log_normal = { median = 3e-3, geometric_standard_deviation = 1.4 }\n"
+    shares = []
+    for shape in ("", 'shape = "two_spheres"\naspect_ratio = 1.5'):
+        lines, _ = plan_of(written(sizes + shape))
+        told = re.search(r'With smallest = "\S+ mm", .* the finest 5 % .* take (\S+) of', lines)
+        assert told, lines
+        shares.append(float(told[1]))
+
+    assert shares[1] == pytest.approx(shares[0], abs=0.05)

@@ -218,6 +218,9 @@ def test_example_targets_agree_with_each_other(tmp_path: Path, material: str) ->
     assert discharge["mass_flow"] == pytest.approx(1.16 * size**2.5 * ratio, rel=0.01)
     shear = example_targets(tmp_path, found, "shear")
     assert shear["shear_density"] == pytest.approx(1230 * ratio, rel=0.01)
+    tapped = example_targets(tmp_path, found, "tapped")
+    compacted = tapped["tapped_density"] / tapped["bulk_density"]
+    assert tapped["hausner_ratio"] == pytest.approx(compacted, abs=0.01)
 
 
 @pytest.mark.parametrize("material", MATERIALS)

@@ -26,7 +26,7 @@ Origin = Literal["given", "instrument", "assumed"]
 _UNITS = ("m", "m^3", "kg", "m/s", "rad/s", "deg", "Pa")
 #: Options without such a unit that a laboratory knows, too.
 _OTHERS = ("orifice", "base", "lining", "end_caps", "taps", "fill_level", "inertial_number")
-#: Heights between which a density is measured are no part of an apparatus.
+#: Heights between which a density is measured are no part of an apparatus that nobody described.
 _MEASURED = ("bulk_density_bottom", "bulk_density_top")
 #: Options that give another one.
 _ANOTHER_WAY = {"rotational_speed": "froude_number"}
@@ -126,14 +126,14 @@ class _Apparatus:
         frictions = {name: part for part, names in of_parts.items() for name in names}
         for key in self.test.option_keys():
             value = values[key.name]
+            is_named = frictions.get(key.name) in self.walls
+            origin = "given" if is_named else self._origin(key.name, value)
             if key.name in frictions:
                 shown = self._friction(key.name, value, frictions[key.name])
-            elif value is None or not _is_of_apparatus(key):
+            elif value is None or not _is_of_apparatus(key, origin):
                 continue
             else:
                 shown = shown_value(key, value)
-            is_named = frictions.get(key.name) in self.walls
-            origin = "given" if is_named else self._origin(key.name, value)
             yield self._value(key.name, shown, origin)
         count = values.get(_COUNT)
         yield self._value(_FILLING, self._filling(), self._origin(_COUNT, count))
@@ -183,9 +183,10 @@ class _Apparatus:
         return bool(value == usual)
 
 
-def _is_of_apparatus(key: Key) -> bool:
-    unit = getattr(key.kind, "unit", None)
-    return key.name in _OTHERS or (unit in _UNITS and key.name not in _MEASURED)
+def _is_of_apparatus(key: Key, origin: Origin) -> bool:
+    if key.name in _MEASURED:
+        return origin != "assumed"
+    return key.name in _OTHERS or getattr(key.kind, "unit", None) in _UNITS
 
 
 def shown_value(key: Key, value: Any) -> str:

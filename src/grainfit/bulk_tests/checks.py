@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -25,6 +25,8 @@ class CheckedTest(Generic[_Test]):
         Measured values by response, None for a curve.
     walls : mapping of str to str
         Walls with a name, by the parts of the test that are made of them.
+    of_instrument : collection of str
+        Options that have the values of the instrument that the file names.
     """
 
     test: _Test
@@ -32,3 +34,4 @@ class CheckedTest(Generic[_Test]):
     highest: Mapping[str, float]
     targets: Mapping[str, float | None]
     walls: Mapping[str, str] = field(default_factory=dict)
+    of_instrument: Collection[str] = ()

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -33,10 +33,13 @@ class Dimension:
         As in a calibration file.
     source : str
         A public one: a standard, a publication, or an address.
+    unless : str
+        Option with another value of which this one means nothing; empty if there is none.
     """
 
     value: Any
     source: str
+    unless: str = ""
 
     @property
     def toml(self) -> str:
@@ -98,6 +101,15 @@ class Instrument:
     def values(self) -> dict[str, Any]:
         """Values of its options, as in a calibration file."""
         return {name: dimension.value for name, dimension in self.options.items()}
+
+    def beside(self, given: Collection[str]) -> Instrument:
+        """Return what is left of it beside options that a calibration file gives."""
+        left = {
+            name: one
+            for name, one in self.options.items()
+            if name not in given and one.unless not in given
+        }
+        return replace(self, options=left)
 
     def parts(self) -> list[str]:
         """Return all of it in sentences, each dimension with its source."""

@@ -66,7 +66,7 @@ class TestSpecification(OneLine):
     joined : tuple of str
         Names of the tests of the file that are evaluations of this one simulation.
     instrument : Instrument, optional
-        Apparatus that is given by its name.
+        Apparatus that is given by its name, with the options alone that it decides.
     given : tuple of str, optional
         Options that the file gives beside an instrument; None without one, where it gives all.
     """
@@ -86,6 +86,11 @@ class TestSpecification(OneLine):
     joined: tuple[str, ...] = ()
     instrument: Instrument | None = None
     given: tuple[str, ...] | None = None
+
+    @property
+    def of_instrument(self) -> tuple[str, ...]:
+        """Options that have the values of the instrument."""
+        return () if self.instrument is None else tuple(self.instrument.options)
 
     @property
     def responses(self) -> tuple[str, ...]:

@@ -408,7 +408,7 @@ def with_instrument(
     Returns
     -------
     tuple of mapping and Instrument
-        The table without the key of the instrument, and the instrument; as it was, and None,
+        The table without the key of the instrument, and what it decides; as it was, and None,
         without one, or with one that cannot be read, whose fault is noted.
     """
     key = apparatus_key(test["type"])
@@ -416,4 +416,7 @@ def with_instrument(
         return test, None
     instrument = key.kind.read(test[key.name], place.at(key.name))
     own = {name: value for name, value in test.items() if name != key.name}
-    return ({**instrument.values, **own}, instrument) if instrument else (own, None)
+    if not instrument:
+        return own, None
+    instrument = instrument.beside(own)
+    return {**instrument.values, **own}, instrument
