@@ -114,6 +114,7 @@ def test_a_packing_is_recommended_for_the_density_that_an_angle_leaves_open(
     at_once = saved.advise(tests=["packing", "compression"])
     assert at_once.best is not None
     assert at_once.best.name == "packing"
+    assert messages.IS_FITTED.is_in(str(saved.advise(tests=["heap"])))
     options = {"tests": ["packing", "compression"], "seeds": 1, "on_start": works.append}
     found = saved.advise(simulate=True, **options)
     assert works[0].runs == 5

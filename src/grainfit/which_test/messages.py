@@ -50,6 +50,7 @@ MEASURE_AS_WELL = Message(
 
 # Tests that are compared.
 UNKNOWN_TEST = Message("{name!r} is not a bulk test.", "{known}")
+IS_FITTED = Message("the calibration has it already")
 NOTHING_SIMULATED = Message(
     "is for simulated trials, and the atlas answers without any.",
     "Add --simulate (simulate=True), or leave it out.",

@@ -112,7 +112,10 @@ def advise(
     told = cloud.thinned
     open_ones = [parameter.name for parameter in today.parameters]
     own = further_response(cloud.knowledge, open_ones, solvers, today.measured, told)
-    others = available_tests(saved.problem.parameters, solvers, material, tests)
+    fitted = {solver.bulk_test.type for solver in solvers.values() if solver.bulk_test}
+    others = available_tests(saved.problem.parameters, solvers, material, tests).without(
+        {test: messages.IS_FITTED() for test in tests if test in fitted}
+    )
     of_response = partial(_accuracy, given)
     if not simulate or not others.solvers:
         candidates, missing = told_tests(others.solvers, told, of_response)
