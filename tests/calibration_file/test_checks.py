@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.registry import all_checks
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.starter import starter_file
@@ -110,6 +111,7 @@ CASES = {
     ),
     "further-response": ("note", BEADS, ""),
     "mpi-ranks": ("warning", heap("ranks = 4096"), ""),
+    "more-ranks": ("note", f"{BEADS}\n[strategy]\nworkers = 1\n", ""),
     "soft-particles": ("note", BEADS, "youngs_modulus = "),
     "solvers-differ": ("warning", f"{BEADS}\n{PACKING}", ""),
     "large-time-step": ("warning", heap("time_step_fraction = 0.3"), "time_step_fraction = "),
@@ -313,21 +315,40 @@ def test_the_documentation_lists_all_checks() -> None:
         assert row in REFERENCE, row
 
 
-def said_of_ranks(folder: Path, monkeypatch: pytest.MonkeyPatch, cores: int, text: str) -> str:
+def said_of_ranks(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    cores: int,
+    text: str,
+    check: str = "mpi-ranks",
+) -> str:
     monkeypatch.setattr("os.sched_getaffinity", lambda _pid: set(range(cores)))
     (folder / "calibration.toml").write_text(text, encoding="utf-8")
     plan = describe_plan(gf.load(folder / "calibration.toml"))
-    return " ".join(f.text for f in plan.findings if f.check == "mpi-ranks")
+    return " ".join(f.text for f in plan.findings if f.check == check)
 
 
 def test_ranks_are_weighed_against_runs_at_a_time(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    said = said_of_ranks(folder, monkeypatch, 8, heap("ranks = 2"))
-    assert said.startswith("With 2 MPI ranks a run and 4 runs at a time, the calibration takes ")
+    said = said_of_ranks(folder, monkeypatch, 8, heap("ranks = 4"))
+    assert said.startswith("With 4 MPI ranks a run and 2 runs at a time, the calibration takes ")
     assert "with ranks = 1 and 8 runs at a time, about " in said
     workers = heap("ranks = 2") + "\n[strategy]\nworkers = 4\n"
     assert said_of_ranks(folder, monkeypatch, 6, workers).startswith(
         "4 runs at a time with 2 MPI ranks each take 8 cores, and there are 6: "
     )
     assert said_of_ranks(folder, monkeypatch, 8, BEADS) == ""
+
+
+def test_ranks_are_offered_where_a_calibration_leaves_cores_idle(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one_at_a_time = BEADS + "\n[strategy]\nworkers = 1\n"
+    said = said_of_ranks(folder, monkeypatch, 4, one_at_a_time, "more-ranks")
+
+    assert messages.RANKS_PAY.is_in(said, ranks=4, runs="1 run")
+    assert said_of_ranks(folder, monkeypatch, 4, BEADS, "more-ranks") == ""
+    yade = one_at_a_time.replace('solver = "lammps"', 'solver = "yade"')
+    yade = yade.replace("rolling_damping = 0.25", "rolling_damping = 0")
+    assert said_of_ranks(folder, monkeypatch, 4, yade, "more-ranks") == ""

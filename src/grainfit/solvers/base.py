@@ -279,6 +279,13 @@ class Solver(ABC, OneLine):
         """Estimate the cost of a run; None if it is unknown."""
         return None
 
+    def seconds_on(self, ranks: int, parameters: Mapping[str, float]) -> float | None:  # noqa: ARG002
+        """Estimate the wall time of a run on a number of MPI ranks, s; None if it is unknown.
+
+        Also None where the program does not run on so many.
+        """
+        return None
+
     def starts_anew(self, parameters: Mapping[str, float]) -> str:  # noqa: ARG002
         """Return why a long run that is killed starts anew; empty if it goes on, or is short.
 

@@ -61,6 +61,10 @@ RANKS_DO_NOT_PAY = Message(
     "With {ranks} MPI ranks a run and {runs} at a time, the calibration takes {time}; with "
     "ranks = 1 and {more} at a time, {alone}. Ranks pay where one run alone is waited for."
 )
+RANKS_PAY = Message(
+    "With ranks = {ranks} in every test and {runs} at a time, the calibration takes {shared}; as "
+    "it is, {time}, and cores are idle."
+)
 LONG = Message(
     "The calibration takes {time}.",
     "More workers shorten it: a computer with more cores, or a cluster (docs/clusters.md).",

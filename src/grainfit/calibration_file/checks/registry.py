@@ -19,7 +19,12 @@ from grainfit.calibration_file.checks.instruments import finer_than_instruments
 from grainfit.calibration_file.checks.large_time_step import large_time_step
 from grainfit.calibration_file.checks.near_spheres import near_spheres
 from grainfit.calibration_file.checks.photographs import changed_picture, other_speed
-from grainfit.calibration_file.checks.run_times import long_calibration, mpi_ranks, short_timeout
+from grainfit.calibration_file.checks.run_times import (
+    long_calibration,
+    more_ranks,
+    mpi_ranks,
+    short_timeout,
+)
 from grainfit.calibration_file.checks.same_simulation import repeated_simulation, shared_simulation
 from grainfit.calibration_file.checks.solid_fractions import impossible_bulk_density
 from grainfit.calibration_file.checks.targets import too_few_targets
@@ -51,6 +56,7 @@ _AFTER_TESTS: tuple[Check[FileContext], ...] = (
     fine_tolerance,
     short_timeout,
     mpi_ranks,
+    more_ranks,
     long_calibration,
     further_response,
 )

@@ -20,7 +20,6 @@ from grainfit.contact_models.registry import is_load_dependent
 from grainfit.errors import InputError
 from grainfit.formatting import counted, duration, number
 from grainfit.solvers.base import Solver
-from grainfit.solvers.speed import gain_of_ranks
 
 #: Largest share of the time that is worth a sentence.
 _WORTH_IT = 0.8
@@ -58,9 +57,7 @@ def mpi_ranks(context: FileContext) -> Iterator[Found]:
                 cores=file.cores,
             ),
         )
-    elif time is not None:
-        gains = {t.name: gain_of_ranks(int(t.options.get("ranks", 1))) for t in file.tests}
-        costs = {test: seconds * gains[test] for test, seconds in time.costs.items()}
+    elif time is not None and (costs := _costs_on(context, 1)):
         alone = replace(time, costs=costs, workers=file.cores)
         if alone.seconds[1] <= _WORTH_IT * time.seconds[1]:
             yield (
@@ -73,6 +70,37 @@ def mpi_ranks(context: FileContext) -> Iterator[Found]:
                     alone=alone,
                 ),
             )
+
+
+@check("more-ranks")
+def more_ranks(context: FileContext) -> Iterator[Found]:
+    """Cores that runs at a time leave idle, and that MPI ranks of each run would use."""
+    file, time = context.file, context.time
+    if file.ranks > 1 or file.cluster is not None or time is None:
+        return
+    faster = []
+    ranks = 2
+    while ranks <= file.cores and (costs := _costs_on(context, ranks)):
+        workers = min(time.workers, file.cores // ranks)
+        faster.append((ranks, replace(time, costs=costs, workers=workers)))
+        ranks *= 2
+    best = min(faster, key=lambda one: one[1].seconds[1], default=None)
+    if best is not None and best[1].seconds[1] <= _WORTH_IT * time.seconds[1]:
+        ranks, shared = best
+        runs = counted(shared.workers, "run")
+        yield "", messages.RANKS_PAY(ranks=ranks, runs=runs, shared=shared, time=time)
+
+
+def _costs_on(context: FileContext, ranks: int) -> dict[str, float]:
+    """Return the wall time of a run of each test on so many MPI ranks, s; empty if one is none."""
+    middle = context.problem.middle
+    try:
+        found = {name: one.seconds_on(ranks, middle) for name, one in context.solvers.items()}
+    except InputError:
+        # The plan says why a cost is not known.
+        return {}
+    known = {name: seconds for name, seconds in found.items() if seconds is not None}
+    return known if len(known) == len(found) else {}
 
 
 @check("long-calibration")

@@ -541,6 +541,13 @@ class DeckSolver(Solver):
         return self.speed.cost(workload(test, material), self.ranks)
 
     @override
+    def seconds_on(self, ranks: int, parameters: Mapping[str, float]) -> float | None:
+        if self._ranks_refusal(self.test, ranks) is not None:
+            return None
+        material = self._parts.material_of_test(self.run_parameters(parameters))
+        return self.speed.cost(workload(self.test, material), ranks).wall_seconds
+
+    @override
     def experiment(self, parameters: Mapping[str, float], seed: int) -> Scene:
         return self._scene(self.run_parameters(parameters), seed)
 
