@@ -271,3 +271,40 @@ def test_a_load_on_an_area_needs_two_parallel_planes_in_their_order():
     for pair in (("right", "left"), ("left", "floor"), ("left", "tube"), ("left", "nothing")):
         with pytest.raises(InputError, match=messages.NO_AREA.pattern):
             loaded(*pair)
+
+
+def test_a_servo_is_no_fault_of_a_scene():
+    pressed = stage(Loaded("lid", 0.02, 3.0), motions={"lid": replace(PRESS, across=(("a", "b"),))})
+    walls = {
+        "floor": FLOOR,
+        "lid": Wall(Plane("z", 0.3, upwards=False)),
+        "a": Wall(Plane("x", -0.3)),
+        "b": Wall(Plane("x", 0.3, upwards=False)),
+    }
+
+    assert scene_faults(replace(scene_of(ONE, walls, frames(0.1)), stages=(pressed,))) == ()
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"particle_wall.sliding_frction": 0.9}, messages.SURFACE_PARAMETER),
+        ({"sliding_friction": 0.9}, messages.SURFACE_PARAMETER),
+        ({"particle_wall.sliding_friction": math.nan}, messages.SURFACE_VALUE),
+    ],
+)
+def test_a_surface_has_parameters_of_walls_alone(values, message):
+    plain = scene_of(
+        ONE, {"floor": Wall(FLOOR.shape, "rough")}, frames(0.1), surfaces={"rough": {}}
+    )
+
+    [fault] = scene_faults(replace(plain, surfaces={"rough": values}))
+
+    assert message.is_in(str(fault), name=next(iter(values)))
+
+
+def test_a_first_look_is_at_a_time():
+    looked = stage(conditions.AtRest(3.0, math.nan))
+    [fault] = scene_faults(replace(scene_of(ONE, {"floor": FLOOR}, frames(0.1)), stages=(looked,)))
+
+    assert messages.NO_FIRST_LOOK.is_in(str(fault))

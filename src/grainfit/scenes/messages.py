@@ -77,6 +77,8 @@ NO_RADIUS = Message("{shape!r} has no radius above 0.", "Give one in m.")
 NO_SURFACE = Message(
     "has the surface {surface!r}, which the scene does not have.", "Surfaces: {known}."
 )
+SURFACE_PARAMETER = Message("has {name!r}, which is no parameter of walls.", "Use {known}.")
+SURFACE_VALUE = Message("has {name} = {value!r}.", "Give a finite number.")
 
 # Stages.
 
@@ -88,6 +90,7 @@ TAKEN_NAME = Message("{name!r} has another meaning in decks.", "Use another name
 NAME_TWICE = Message("{name!r} is there twice.", "Give each a name of its own.")
 NO_WALL = Message("{does} the wall {name!r}, which is not there.", "Walls of that stage: {known}.")
 NO_TIME = Message("has the {name} {value!r}.", "Give a time in s, above 0.")
+NO_FIRST_LOOK = Message("looks after {value!r} s first.", "Give a time in s, 0 or more.")
 NO_SHARE = Message("ends with {value!r} of the mass.", "Give a share above 0 and up to 1.")
 NO_FRAME_INTERVAL = Message("has frames every {value!r} s.", "Give a time above 0.")
 NO_RECORD_INTERVAL = Message("records every {value!r} s.", "Give a time above 0.")

@@ -23,6 +23,8 @@ from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.scenes.stl import mesh_faults
 
 _AXES = ("x", "y", "z")
+#: Beginnings of the parameters that a surface may have of its own.
+_OF_WALLS = ("wall.", "particle_wall.")
 #: Overlap of two particles at the beginning that is no rounding error, over their distance.
 _OVERLAP = 0.01
 
@@ -38,6 +40,7 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
     return (
         *_period_faults(scene),
         *_particle_faults(scene),
+        *_surface_faults(scene),
         *(f for name, body in scene.glued.items() for f in _glued_faults(name, body, scene)),
         *(f for name, wall in scene.all_walls().items() for f in _wall_faults(name, wall, scene)),
         *(f for stage in scene.stages for f in _stage_faults(stage)),
@@ -211,6 +214,18 @@ def _wall_faults(name: str, wall: Wall, scene: Scene) -> Iterator[Fault]:
     yield from mesh_faults(key, shape, scene.box)
 
 
+def _surface_faults(scene: Scene) -> Iterator[Fault]:
+    known = [n for n in {**scene.law.defaults, **scene.material} if n.startswith(_OF_WALLS)]
+    for name, values in scene.surfaces.items():
+        key = f"surface {name}"
+        for parameter, value in values.items():
+            if parameter not in known:
+                names = ", ".join(known)
+                yield messages.SURFACE_PARAMETER.fault(key, name=parameter, known=names)
+            elif not _is_number(value):
+                yield messages.SURFACE_VALUE.fault(key, name=parameter, value=value)
+
+
 def _sides(block: Block | Prism, box: Box) -> list[tuple[float, float]]:
     """Lower and upper limits of a block along the axes on which it has ends."""
     sides = zip(_AXES, block.low, block.high, strict=True)
@@ -253,6 +268,9 @@ def _end_faults(key: str, until: Condition) -> Iterator[Fault]:
     for name, value in times.items():
         if not (_is_number(value) and value > 0):
             yield messages.NO_TIME.fault(key, name=name, value=value)
+    at_least = getattr(until, "at_least", 0.0)
+    if not (_is_number(at_least) and at_least >= 0):
+        yield messages.NO_FIRST_LOOK.fault(key, value=at_least)
     if isinstance(until, Drained) and not (_is_number(until.share) and 0 < until.share <= 1):
         yield messages.NO_SHARE.fault(key, value=until.share)
 
@@ -260,7 +278,8 @@ def _end_faults(key: str, until: Condition) -> Iterator[Fault]:
 def _motion_faults(key: str, name: str, motion: Motion) -> Iterator[Fault]:
     if motion.along not in _AXES:
         yield messages.MOTION_AXIS.fault(key, name=name, axis=motion.along)
-    numbers = [value for field, value in vars(motion).items() if field not in ("along", "through")]
+    others = ("along", "through", "across")
+    numbers = [value for field, value in vars(motion).items() if field not in others]
     if not all(_is_number(value) for value in (*numbers, *getattr(motion, "through", ()))):
         yield messages.MOTION_NUMBERS.fault(key, name=name, motion=motion)
 
