@@ -9,11 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grainfit.bulk_tests.apparatus import apparatus_of
+from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.drum import Drum, messages
 from grainfit.bulk_tests.drum.angles import DrumAngles
 from grainfit.bulk_tests.drum.bed import TurningBed
 from grainfit.bulk_tests.drum.end_caps import coarse_caps
+from grainfit.bulk_tests.drum.soft_beds import soft_drum
+from grainfit.bulk_tests.shear import Shear
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.particles import Frame, Particles
@@ -252,3 +256,20 @@ def test_enlarged_particles_between_end_caps_are_said_to_be_steeper() -> None:
     said = said_of_caps(2.0)
     assert messages.COARSE_CAPS.is_in(said, factor=2.0, more=1.2, told=0.5, largest="1.4")
     assert said_of_caps(1.4) == said_of_caps(1.0) == said_of_caps(2.0, end_caps=False) == ""
+
+
+@pytest.mark.parametrize(("test", "glued"), [(Drum, 75), (Shear, 100)])
+def test_what_is_filled_in_is_not_what_is_glued(test: type[BulkTest], glued: int) -> None:
+    made = test(diameter="10 mm")
+    [filling] = [one for one in apparatus_of(made) if one.name == "particles"]
+
+    assert made.number_of_glued == glued
+    assert filling.value.startswith(f"{made.number_of_particles - glued} ")
+
+
+def test_what_is_stiff_enough_is_stiffer_than_what_is_too_soft() -> None:
+    material = {"particle.youngs_modulus": 1e7, "particle.density": 2500.0}
+    checked = CheckedTest(Drum(diameter="10 mm"), material, material, {"dynamic_angle": 35.0})
+    [found] = soft_drum(checked)
+
+    assert messages.SOFT_DRUM.is_in(found.text, enough="11")

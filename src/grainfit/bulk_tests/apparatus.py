@@ -153,12 +153,14 @@ class _Apparatus:
         return words if known is None else f"{words}, {number(known)}"
 
     def _filling(self) -> str:
-        count = self.test.of_material(self.material).number_of_particles
+        test = self.test.of_material(self.material)
+        count = test.number_of_particles - test.number_of_glued
         density = self.material.get(DENSITY)
+        beside = f" beside {test.number_of_glued} that are glued" if test.number_of_glued else ""
         if density is None:
-            return str(count)
-        mass = count * mean_particle_volume(self.test.sizes) * density
-        return f"{count}, {number(mass)} kg"
+            return f"{count}{beside}"
+        mass = count * mean_particle_volume(test.sizes) * density
+        return f"{count}, {number(mass)} kg{beside}"
 
     def _origin(self, option: str, value: Any) -> Origin:
         if self.given is not None:

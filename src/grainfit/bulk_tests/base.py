@@ -305,6 +305,11 @@ class BulkTest(OneLine, ABC):
         """
 
     @property
+    def number_of_glued(self) -> int:
+        """Number of particles that are glued to the apparatus."""
+        return 0
+
+    @property
     def number_of_particles(self) -> int:
         """Number of particles at the beginning of a run, glued ones included.
 

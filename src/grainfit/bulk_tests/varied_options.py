@@ -62,7 +62,11 @@ class Range:
         )
 
     def _of(self, value: Any) -> Any:
-        return np.log(value) if self.power == 0 else value**self.power
+        if self.power != 0:
+            return value**self.power
+        # A wall may have no friction, which is as far below the range as there is.
+        with np.errstate(divide="ignore"):
+            return np.log(value)
 
 
 #: Surface energies over rho g d^2, Bond numbers up to 2.25, beyond which no flank is one.

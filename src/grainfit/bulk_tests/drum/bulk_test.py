@@ -361,7 +361,12 @@ class Drum(BulkTest):
     @property
     def number_of_particles(self) -> int:
         """Number of particles, those of the lining included."""
-        return self.setup.particle_count + len(self.setup.lining_places())
+        return self.setup.particle_count + self.number_of_glued
+
+    @property
+    def number_of_glued(self) -> int:
+        """Number of particles of the lining."""
+        return len(self.setup.lining_places())
 
     def simulated_time(self, material: Mapping[str, float]) -> float:  # noqa: ARG002
         """Return the simulated time of a run, s."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -38,9 +39,15 @@ def soft_drum(checked: CheckedTest[Any]) -> Iterator[Found]:
                 number=number(value, 3),
                 less=less,
                 told=_TOLD_APART,
-                enough=number(enough / 1e6, 2),
+                enough=number(_rounded_up(enough / 1e6), 2),
             ),
         )
+
+
+def _rounded_up(value: float) -> float:
+    """Return a value with two digits that is not below it."""
+    step: float = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.ceil(value / step) * step
 
 
 def flattening(value: float) -> float:

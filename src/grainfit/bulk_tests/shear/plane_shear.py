@@ -183,7 +183,12 @@ class PlaneShear(BulkTest):
     @property
     def number_of_particles(self) -> int:
         """Number of particles, glued ones included."""
-        return self.setup.particle_count + 2 * self.setup.plate.count
+        return self.setup.particle_count + self.number_of_glued
+
+    @property
+    def number_of_glued(self) -> int:
+        """Number of particles of both plates."""
+        return int(2 * self.setup.plate.count)
 
     def simulated_time(self, material: Mapping[str, float]) -> float:
         """Estimate the simulated time of a run, s."""
