@@ -77,3 +77,12 @@ def test_small_tolerance_about_zero_makes_no_blow_up() -> None:
     ]
 
     assert without_blow_ups(problem, runs) == runs
+
+
+def test_most_runs_may_blow_up_beyond_all_numbers() -> None:
+    good, blown = ({"angle": angle, "density": 1550.0} for angle in (20.0, 1e300))
+    runs = [evaluation(PROBLEM, good if n == 0 else blown, n) for n in range(8)]
+
+    found = without_blow_ups(PROBLEM, runs)
+
+    assert [one.responses != {} for one in found] == [True] + 7 * [False]

@@ -258,3 +258,11 @@ def test_an_expected_interval_is_a_part_of_that_of_its_parameter() -> None:
     for wrong in ({"E": (1e4, 1e7)}, {"E": (1e7, 1e6)}, {"friction": (0.1, 0.2)}):
         with pytest.raises(InputError, match="expected"):
             Problem(parameters, targets, expected=wrong)
+
+
+@pytest.mark.parametrize("given", [("5 deg", "9 deg"), ("5 mm", "9 m"), ("0.5 kPa", "0.9 kPa")])
+def test_a_parameter_that_is_a_number_takes_no_unit(given: tuple[str, str]) -> None:
+    with pytest.raises(InputError) as refused:
+        Parameter("particle_particle.sliding_friction", *given)
+    assert "particle_particle.sliding_friction.min" in str(refused.value)
+    assert Parameter("particle_particle.sliding_friction", "5 %", "0.9").minimum == 0.05

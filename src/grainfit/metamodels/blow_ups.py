@@ -18,6 +18,8 @@ from grainfit.problem import Problem, Target
 
 #: Response, over the measured value and the usual ones, above which a run has blown up.
 _BLOWN_UP = 1e3
+#: Response that no metamodel can follow, however many runs have it.
+_NO_RESPONSE = 1e100
 #: Share of the runs that have usual responses at least.
 _USUAL = 0.25
 
@@ -62,7 +64,7 @@ def _limit(target: Target, evaluations: Sequence[Evaluation]) -> float:
     values = np.abs(_values(target, evaluations))
     # The largest numbers have no mean.
     usual = float(np.quantile(values, _USUAL, method="lower")) if len(values) else 0.0
-    return min(_BLOWN_UP * max(abs(target.value), target.tolerance, usual), 1e300)
+    return min(_BLOWN_UP * max(abs(target.value), target.tolerance, usual), _NO_RESPONSE)
 
 
 def _judged(problem: Problem, limits: dict[str, float], evaluation: Evaluation) -> Evaluation:

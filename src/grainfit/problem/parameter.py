@@ -111,7 +111,7 @@ class Parameter:
         if not self.name or not isinstance(self.name, str):
             raise InputError(messages.NO_PARAMETER_NAME.fault("parameter"))
         known = material_parameter(self.name)
-        unit = known.unit if known else ""
+        unit = known.unit if known else None
         keys = {"minimum": "min", "maximum": "max", "measured": "measured"}
         read_quantities(self, keys, unit)
         object.__setattr__(self, "uncertainty", share_of(self.uncertainty, self.measured))

@@ -23,10 +23,11 @@ def make_plain(owner: object, *keys: str) -> None:
             object.__setattr__(owner, key, float(value))
 
 
-def read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str = "") -> None:
+def read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str | None = None) -> None:
     """Convert texts such as ``"2.1 g/cm^3"`` to numbers in the owner's unit.
 
-    Without a unit, the owner gets the usual one, or that of the first quantity.
+    Without a unit, the owner gets the usual one, or that of the first quantity where that is not
+    known; a usual unit that is empty is that of numbers.
     """
     texts = {key: text for key in keys if isinstance(text := getattr(owner, key), str)}
     if not texts:
@@ -35,7 +36,7 @@ def read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str = "") -
     for key, text in texts.items():
         unit = owner.unit or usual_unit
         try:
-            value, unit = (to_unit(text, unit), unit) if unit else to_si(text)
+            value, unit = to_si(text) if unit is None else (to_unit(text, unit), unit)
         except UnitError as error:
             faults.append(Fault(f"{owner.name}.{keys[key]}", error.message, error.remedy))
             continue
