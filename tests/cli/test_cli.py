@@ -399,3 +399,13 @@ def test_a_place_that_cannot_be_written_is_named_before_anything_is_done(
     assert CANNOT_BE_WRITTEN.is_in(done.stderr, path=place)
     assert "Traceback" not in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+def test_a_comparison_does_not_replace_a_file_that_is_no_page(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text("name = 'sand'", encoding="utf-8")
+
+    done = grainfit("compare", "one", "other", "-o", "mine.toml", folder=tmp_path, code=1)
+
+    assert cli_messages.NOT_REPLACED.is_in(done.stderr)
+    assert mine.read_text(encoding="utf-8") == "name = 'sand'"

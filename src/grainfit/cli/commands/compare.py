@@ -10,7 +10,13 @@ import typer
 from grainfit.cli import console as show
 from grainfit.cli.consoles import out, out_remarks
 from grainfit.cli.documents import AsJson, print_document
-from grainfit.cli.options import OpenAfterwards, open_in_browser, output_option
+from grainfit.cli.options import (
+    Force,
+    OpenAfterwards,
+    open_in_browser,
+    output_option,
+    require_free,
+)
 
 Folders = typer.Argument(metavar="DIR", help="Work folders of calibrations.")
 
@@ -23,12 +29,14 @@ def compare(
     output: Annotated[Path | None, output_option("FILE.html", _OUTPUT)] = None,
     open_it: OpenAfterwards = False,
     as_json: AsJson = False,
+    force: Force = False,
 ) -> None:
     """Put calibrations side by side: two materials, or one with other tests, solvers or seeds.
 
     Parameters and responses whose 95 % intervals are apart differ; the others agree. Fixed
     parameters are shown where they are not the same.
     """
+    require_free(output, force=force)
     from grainfit.work_folder.comparison import compare as compared
     from grainfit.work_folder.saved_calibration import SavedCalibration
 

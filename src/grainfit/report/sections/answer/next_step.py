@@ -11,6 +11,7 @@ from grainfit.report.section import ReportContext
 
 #: Format of the command where the runs name no solver that has a card.
 _USUAL_FORMAT = "liggghts"
+_ANY_PARAMETERS = "json"
 
 
 def next_step(context: ReportContext) -> dict[str, str]:
@@ -27,8 +28,10 @@ def next_step(context: ReportContext) -> dict[str, str]:
         return found
     solver = _solver(context)
     folder = shlex.quote(context.reading.folder.absolute().name)
+    # Every card is one of a material; the parameters of a user's model may be of another kind.
+    usual = _USUAL_FORMAT if _card(context, _USUAL_FORMAT) else _ANY_PARAMETERS
     return found | {
-        "export": plain(f"grainfit export {folder} --to {solver or _USUAL_FORMAT}"),
+        "export": plain(f"grainfit export {folder} --to {solver or usual}"),
         "card": _card(context, solver) if solver else "",
         "card_format": solver,
     }
