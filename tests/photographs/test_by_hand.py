@@ -89,8 +89,10 @@ def test_points_of_no_level_rectangle_are_refused(shot: Shot, picture: Path) -> 
     assert messages.OTHER_SHAPE.is_in(str(error.value))
     with pytest.raises(gf.InputError, match="points"):
         gf.photo(picture, points=points[:3])
+    other = picture.with_name("other.jpg")
+    other.write_bytes(picture.read_bytes() + b"another picture")
     with pytest.raises(gf.InputError, match="points"):
-        gf.photo([picture, picture], points=points)
+        gf.photo([picture, other], points=points)
     with pytest.raises(gf.InputError, match="rectangle"):
         gf.photo(picture, points=points, rectangle="60 cm")  # type: ignore[arg-type]
 
