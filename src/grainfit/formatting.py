@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
-from math import floor, inf, isfinite, log10, pi
+from math import ceil, floor, inf, isfinite, log10, pi
 from typing import Any
 
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -107,6 +107,21 @@ def _significant(value: float, digits: int) -> str:
     if "e" in text and _FIXED[0] <= abs(value) < _FIXED[1]:
         text = f"{float(text):.0f}"
     return text
+
+
+def rounded_off(value: float, digits: int, *, up: bool) -> float:
+    """Return a value with some significant digits that is not below it, or not above it.
+
+    Examples
+    --------
+    >>> rounded_off(10.2, 2, up=True), rounded_off(0.1289, 2, up=False)
+    (11.0, 0.12)
+    """
+    if value == 0:
+        return 0.0
+    unit = 10.0 ** (floor(log10(abs(value))) - digits + 1)
+    steps = ceil(value / unit) if up else floor(value / unit)
+    return float(f"{steps * unit:.6g}")
 
 
 def rounded(value: float | None, uncertainty: float | None) -> str:

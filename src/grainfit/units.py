@@ -188,12 +188,8 @@ def powers(unit: str) -> tuple[int, int, int]:
     (0, 0, 0)
     """
     try:
-        factors = list(_factors(unit))
-        if all(name in _POWERS for name, _ in factors):
-            mass, length, time = (
-                sum(_POWERS[name][i] * power for name, power in factors) for i in range(3)
-            )
-            return mass, length, time
+        if (known := _si_powers(unit)) is not None:
+            return known
         dimensions = dict(_parse(unit).dimensionality)
     except _NotAUnitError as error:
         fault = messages.NOT_A_UNIT.fault("", unit=error, remedy=how_to_write("m"))
@@ -203,6 +199,18 @@ def powers(unit: str) -> tuple[int, int, int]:
         fault = messages.NOT_MECHANICAL.fault("", unit=unit, remedy=how_to_write("m"))
         raise UnitError(fault)
     return found[0], found[1], found[2]
+
+
+@functools.lru_cache(maxsize=256)
+def _si_powers(unit: str) -> tuple[int, int, int] | None:
+    """Return the powers in a product of SI units; None for another unit."""
+    factors = list(_factors(unit))
+    if any(name not in _POWERS for name, _ in factors):
+        return None
+    mass, length, time = (
+        sum(_POWERS[name][i] * power for name, power in factors) for i in range(3)
+    )
+    return mass, length, time
 
 
 def how_to_write(unit: str) -> str:

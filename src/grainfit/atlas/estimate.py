@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -93,15 +93,21 @@ class EstimatedResponse:
         Expected response at the most probable parameters, and its standard error by the atlas.
     scatter : float
         Standard deviation of a run.
-    is_in_reach : bool
-        Whether some parameters within the intervals give the measured value.
+    miss : float
+        By how much all parameters within the intervals miss the measured value; 0 where some give
+        it.
     """
 
     target: Target
     value: float
     standard_error: float
     scatter: float
-    is_in_reach: bool
+    miss: float
+
+    @property
+    def is_in_reach(self) -> bool:
+        """Whether some parameters within the intervals give the measured value."""
+        return self.agrees or self.miss == 0
 
     @property
     def agrees(self) -> bool:
@@ -317,7 +323,9 @@ def estimate_of(
     if forecast.problem is None:
         reasons = "; ".join(f"{names}: {why}" for names, why in _by_reason(forecast.untold))
         raise InputError(messages.NOTHING_TOLD.fault("", reasons=reasons))
-    likelihood, misses = Likelihood(forecast.problem), _misses(forecast, forecast.problem, seed)
+    everywhere = spread_points(_SPREAD, problem.dimension, np.random.default_rng(seed))
+    likelihood = Likelihood(forecast.problem)
+    misses = _misses(forecast, forecast.problem, everywhere)
 
     def log_density(points: Array) -> Array:
         means, variances = forecast.predict(points)
@@ -332,7 +340,7 @@ def estimate_of(
     means, variances = forecast.predict(top)
     scatters = forecast.scatter(top)[0]
     responses = tuple(
-        _at_best(target, mean, variance, scatter, miss)
+        EstimatedResponse(target, float(mean), math.sqrt(variance), float(scatter), float(miss))
         for target, mean, variance, scatter, miss in zip(
             forecast.problem.targets, means[0], variances[0], scatters, misses, strict=True
         )
@@ -348,7 +356,7 @@ def estimate_of(
         best=best,
         untold=forecast.untold,
         less_sure=forecast.less_sure,
-        left_out=tuple(forecast.left_out(_spread(problem, seed))),
+        left_out=tuple(forecast.left_out(everywhere)),
         chance=float(forecast.chance(top)[0]),
         runs=runs,
         seconds=_seconds(solvers, best, runs),
@@ -363,21 +371,12 @@ def _reach(tolerance: ArrayLike, standard_error: ArrayLike) -> Array:
     return np.hypot(tolerance, _REACH * np.asarray(standard_error))
 
 
-def _at_best(
-    target: Target, mean: float, variance: float, scatter: float, miss: float
-) -> EstimatedResponse:
-    """Return a response at the most probable parameters, given by how much all miss its target."""
-    found = EstimatedResponse(target, float(mean), math.sqrt(variance), float(scatter), miss == 0)
-    return replace(found, is_in_reach=True) if found.agrees else found
-
-
-def _misses(forecast: Forecast, problem: Problem, seed: int) -> Array:
+def _misses(forecast: Forecast, problem: Problem, points: Array) -> Array:
     """Return by how much all parameters miss each target, shape (targets,); 0 of one in reach.
 
     As an error it makes the parameters count that come nearest, and not those of which least is
     known.
     """
-    points = _spread(problem, seed)
     points = points[forecast.is_inside(points)]
     if not len(points):
         return np.zeros(len(problem.targets))
@@ -385,11 +384,6 @@ def _misses(forecast: Forecast, problem: Problem, seed: int) -> Array:
     off = np.abs(means - [target.value for target in problem.targets])
     within = _reach([target.tolerance for target in problem.targets], np.sqrt(variances))
     return np.where((off > within).all(axis=0), off.min(axis=0), 0.0)
-
-
-def _spread(problem: Problem, seed: int) -> Array:
-    """Return points all over the cube of the parameters, shape (m, d)."""
-    return spread_points(_SPREAD, problem.dimension, np.random.default_rng(seed))
 
 
 def _by_reason(untold: Mapping[str, str]) -> Iterator[tuple[str, str]]:

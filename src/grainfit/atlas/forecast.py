@@ -109,19 +109,20 @@ class Forecast:
 
     def is_inside(self, points: ArrayLike) -> Array:
         """Return which points of the cube are not outside of the rows, shape (m,)."""
-        outside = [found for _, found in self._outside(points)]
+        outside = [found for *_, found in self._outside(points)]
         return np.asarray(~np.any(outside, axis=0))
 
     def left_out(self, points: ArrayLike) -> Iterator[str]:
         """Yield a sentence for every range of the rows that some points are outside of."""
-        yield from dict.fromkeys(range_ for range_, found in self._outside(points) if found.any())
+        found = (reading.left_out(name) for reading, name, at in self._outside(points) if at.any())
+        yield from dict.fromkeys(found)
 
-    def _outside(self, points: ArrayLike) -> Iterator[tuple[str, Array]]:
-        """Yield every range of the rows with which points are outside of it."""
+    def _outside(self, points: ArrayLike) -> Iterator[tuple[Reading, str, Array]]:
+        """Yield every reading and input with which points are outside of its rows."""
         values = values_at(self._parameters, np.atleast_2d(np.asarray(points)))
         for reading in {id(one.reading): one.reading for one in self._told}.values():
             for name, found in reading.outside(values).items():
-                yield reading.left_out(name), found
+                yield reading, name, found
 
     def _difference(self, one: _Told) -> Difference:
         stratum = one.reading.stratum.name

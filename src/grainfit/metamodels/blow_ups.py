@@ -14,12 +14,11 @@ import numpy as np
 from grainfit.evaluation import ALL_RUNS, Evaluation
 from grainfit.formatting import counted, number
 from grainfit.metamodels import messages
+from grainfit.metamodels.checked_arrays import MAGNITUDES
 from grainfit.problem import Problem, Target
 
 #: Response, over the measured value and the usual ones, above which a run has blown up.
 _BLOWN_UP = 1e3
-#: Response that no metamodel can follow, however many runs have it.
-_NO_RESPONSE = 1e100
 #: Share of the runs that have usual responses at least.
 _USUAL = 0.25
 
@@ -64,7 +63,7 @@ def _limit(target: Target, evaluations: Sequence[Evaluation]) -> float:
     values = np.abs(_values(target, evaluations))
     # The largest numbers have no mean.
     usual = float(np.quantile(values, _USUAL, method="lower")) if len(values) else 0.0
-    return min(_BLOWN_UP * max(abs(target.value), target.tolerance, usual), _NO_RESPONSE)
+    return min(_BLOWN_UP * max(abs(target.value), target.tolerance, usual), MAGNITUDES[1])
 
 
 def _judged(problem: Problem, limits: dict[str, float], evaluation: Evaluation) -> Evaluation:

@@ -9,8 +9,8 @@ from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.metamodels import messages
 
-# Beyond these, squares of the response or of its rounding error are no floating-point numbers.
-_MAGNITUDES = (1e-100, 1e100)
+#: Beyond these, squares of a response or of its rounding error are no floating-point numbers.
+MAGNITUDES = (1e-100, 1e100)
 
 
 def checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> Array:
@@ -50,8 +50,8 @@ def checked_values(values: ArrayLike, n: int) -> Array:
     """Return n responses whose squares are floating-point numbers, or raise `InputError`."""
     found = checked("values", values, (n,))
     largest = float(np.abs(found).max(initial=0.0))
-    if largest and not _MAGNITUDES[0] <= largest <= _MAGNITUDES[1]:
-        least, most = _MAGNITUDES
+    if largest and not MAGNITUDES[0] <= largest <= MAGNITUDES[1]:
+        least, most = MAGNITUDES
         fault = messages.BAD_MAGNITUDE.fault("values", largest=largest, least=least, most=most)
         raise InputError(fault)
     return found

@@ -302,7 +302,7 @@ class Problem:
         test : str
             Name of the test.
         """
-        own = [t for t in self.targets if not self.tests or self.scope_of(t.name).name == test]
+        own = [target for target in self.targets if self._is_of(target.name, test)]
         return {target.name.removeprefix(f"{test}."): target for target in own}
 
     def measured_in(self, test: str) -> set[str]:
@@ -313,8 +313,11 @@ class Problem:
         test : str
             Name of the test.
         """
-        own = [c for c in self.curves if not self.tests or self.scope_of(c.name).name == test]
-        return {*self.targets_of(test), *(curve.name.removeprefix(f"{test}.") for curve in own)}
+        own = (name for name in self.responses if self._is_of(name, test))
+        return {name.removeprefix(f"{test}.") for name in own}
+
+    def _is_of(self, response: str, test: str) -> bool:
+        return not self.tests or self.scope_of(response).name == test
 
     def widened_to(self, points: Sequence[Mapping[str, float]]) -> Problem:
         """Return the problem with its intervals widened to some parameter sets."""

@@ -85,7 +85,7 @@ class StartServer(LocalServer):
 
         Raises
         ------
-        InputError, OSError
+        InputError
             It is impossible, or the file cannot be written.
         """
         with self._editing:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import floor, log10
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.contact_models.registry import material_parameter
-from grainfit.formatting import value_with_unit
+from grainfit.formatting import rounded_off, value_with_unit
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels
@@ -209,20 +208,11 @@ def _blocking(point: NDArray[np.float64], gain: NDArray[np.float64]) -> Iterator
             yield axis
 
 
-def _round_outward(value: float, upward: bool) -> float:
-    """Round to three digits, away from the interval."""
-    if value == 0:
-        return 0.0
-    unit = 10.0 ** (floor(log10(abs(value))) - 2)
-    steps = np.ceil(value / unit) if upward else np.floor(value / unit)
-    return float(f"{steps * unit:.6g}")
-
-
 def _suggestion(parameter: Parameter, position: float, bound: float, upper: bool) -> float | None:
     """Bound to try, or None where linear extrapolation fails or physics sets a limit."""
     if abs(position - 0.5) > _FARTHEST:
         return None
-    value = _round_outward(parameter.from_unit(position), upper)
+    value = rounded_off(parameter.from_unit(position), 3, up=upper)
     return _within_physics(parameter.name, value, bound, upper)
 
 

@@ -75,6 +75,11 @@ def material_of(solvers: Mapping[str, Solver], values: Mapping[str, float]) -> d
     return next(found, dict(values))
 
 
+def types_of(solvers: Mapping[str, Solver]) -> list[str]:
+    """Return the types of the bulk tests of solvers, each once, in their order."""
+    return list(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
+
+
 def available_tests(
     parameters: Sequence[Parameter],
     solvers: Mapping[str, Solver],
@@ -108,7 +113,7 @@ def available_tests(
             remedy = suggest(name, list(known), "Tests are")
             raise InputError(messages.UNKNOWN_TEST.fault("test", name=name, known=remedy))
     maker = _Maker.like(solvers, material, {p.name for p in parameters})
-    present = {s.bulk_test.type for s in solvers.values() if s.bulk_test}
+    present = types_of(solvers)
     found: dict[str, Solver] = {}
     refused: dict[str, str] = {}
     options = {name: maker.options(kind) for name, kind in known.items()}

@@ -21,6 +21,7 @@ from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
+from grainfit.which_test.available import types_of
 from grainfit.which_test.candidate import CandidateResponse
 from grainfit.which_test.determining_tests import (
     BETTER_FIXED,
@@ -102,7 +103,7 @@ def expected_narrowing(problem: Problem, solvers: Mapping[str, Solver]) -> Expec
     spreads = {p.name: even_deviation(p) for p in free}
     slopes = [response.slopes for response in responses]
     estimate = _Estimate(Knowledge.of_intervals(free), spreads, slopes, _errors(problem, responses))
-    tests = in_a_row(dict.fromkeys(s.bulk_test.type for s in solvers.values() if s.bulk_test))
+    tests = in_a_row(types_of(solvers))
     widths = estimate.narrowing()
     measured = problem.responses
     then = estimate.before.after(slopes, estimate.errors)

@@ -17,7 +17,7 @@ from grainfit.errors import InputError
 from grainfit.one_thread import one_thread
 from grainfit.solvers.base import Solver
 from grainfit.which_test import messages
-from grainfit.which_test.available import available_tests, material_of
+from grainfit.which_test.available import available_tests, material_of, types_of
 from grainfit.which_test.candidate import seconds_of
 from grainfit.which_test.further_response import further_response
 from grainfit.which_test.knowledge import Knowledge
@@ -112,7 +112,7 @@ def advise(
     told = cloud.thinned
     open_ones = [parameter.name for parameter in today.parameters]
     own = further_response(cloud.knowledge, open_ones, solvers, today.measured, told)
-    fitted = {solver.bulk_test.type for solver in solvers.values() if solver.bulk_test}
+    fitted = types_of(solvers)
     others = available_tests(saved.problem.parameters, solvers, material, tests).without(
         {test: messages.IS_FITTED() for test in tests if test in fitted}
     )

@@ -17,7 +17,6 @@ from grainfit.bulk_tests.shared.slot_scene import Flow
 from grainfit.bulk_tests.shared.vessel import Vessel
 from grainfit.errors import Fault
 from grainfit.scenes.packing import Footprint, Rectangle, Round
-from grainfit.scenes.scene import natural_time
 
 SLOT, ROUND = "slot", "round"
 #: Ends of the flow: once it is measured, or once all is at rest.
@@ -141,7 +140,7 @@ class DischargeSetup(FlowSetup):
         emptying = self.volume / self.beverloo_flow
         if self.known_share is not None:
             return self.known_share * emptying
-        return emptying + self.settling * natural_time(self.sizes, self.gravity)
+        return emptying + self.settling_time
 
     @property
     def underside(self) -> float:

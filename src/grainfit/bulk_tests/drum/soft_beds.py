@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -11,7 +10,7 @@ from grainfit.bulk_tests.drum import messages
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import OverlapLaw, stiffness_number
 from grainfit.checks import Found, check
-from grainfit.formatting import number
+from grainfit.formatting import number, rounded_off
 
 #: Stiffness numbers E / (rho g d), and degrees by which the dynamic angle of rough spheres is below
 #: that of the stiffest: mean of Froude numbers 0.005 to 0.1 (`benchmarks/soft_drums.py`).
@@ -39,15 +38,9 @@ def soft_drum(checked: CheckedTest[Any]) -> Iterator[Found]:
                 number=number(value, 3),
                 less=less,
                 told=_TOLD_APART,
-                enough=number(_rounded_up(enough / 1e6), 2),
+                enough=number(rounded_off(enough / 1e6, 2, up=True), 2),
             ),
         )
-
-
-def _rounded_up(value: float) -> float:
-    """Return a value with two digits that is not below it."""
-    step: float = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return math.ceil(value / step) * step
 
 
 def flattening(value: float) -> float:

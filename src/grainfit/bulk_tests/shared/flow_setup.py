@@ -68,7 +68,12 @@ class FlowSetup(Setup):
     @cached_property
     def flow_time(self) -> float:
         """Expected time until the particles are at rest again, s."""
-        return self.beverloo_time + self.settling * natural_time(self.sizes, self.gravity)
+        return self.beverloo_time + self.settling_time
+
+    @property
+    def settling_time(self) -> float:
+        """Expected time from the end of the flow until the particles are at rest, s."""
+        return self.settling * natural_time(self.sizes, self.gravity)
 
     @property
     def usual_limit(self) -> float:

@@ -89,7 +89,7 @@ def _of_tests(check_name: str, context: FileContext) -> Iterator[Finding]:
     for name, test in context.bulk_tests.items():
         targets = context.targets_of(name)
         walls = context.solvers[name].walls
-        [of_instrument] = [t.of_instrument for t in context.file.tests if t.name == name] or [()]
+        of_instrument = next((t.of_instrument for t in context.file.tests if t.name == name), ())
         checked = CheckedTest(test, context.lowest, context.highest, targets, walls, of_instrument)
         for check in test.checks:
             if check.name == check_name:

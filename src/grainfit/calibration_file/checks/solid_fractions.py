@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import ceil, floor, log10
 
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
@@ -13,7 +12,7 @@ from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import COHESION
 from grainfit.evaluation import response_name
-from grainfit.formatting import number
+from grainfit.formatting import number, rounded_off
 from grainfit.materials.walls import plain_name
 from grainfit.problem import Target
 
@@ -65,7 +64,7 @@ def _note(target: Target, test: BulkTest, ends: Mapping[str, tuple[float, float]
     is_free = lightest < heaviest
     within = "even the " + ("heaviest" if is_dense else "lightest") if is_free else "the given"
     proposed = tuple(target.value / (share * most) for share in reversed(_USUAL))
-    low, high = _rounded(proposed[0], up=False), _rounded(proposed[1], up=True)
+    low, high = rounded_off(proposed[0], 2, up=False), rounded_off(proposed[1], 2, up=True)
     is_possible = _LOOSEST / _OTHER_UNIT < fraction < _DENSEST * _OTHER_UNIT
     yield messages.IMPOSSIBLE_BULK_DENSITY(
         target=target.name,
@@ -89,9 +88,3 @@ def _excess(test: BulkTest, material: Mapping[str, float]) -> float:
 
 def _is_cohesive(ends: Mapping[str, tuple[float, float]]) -> bool:
     return any(max(found) > 0 for name, found in ends.items() if plain_name(name) in COHESION)
-
-
-def _rounded(value: float, *, up: bool) -> float:
-    """Return a value with two digits, rounded up or down."""
-    unit = 10.0 ** (floor(log10(value)) - 1)
-    return (ceil(value / unit) if up else floor(value / unit)) * unit

@@ -28,11 +28,12 @@ def next_step(context: ReportContext) -> dict[str, str]:
         return found
     solver = _solver(context)
     folder = shlex.quote(context.reading.folder.absolute().name)
+    card = _card(context, solver or _USUAL_FORMAT)
     # Every card is one of a material; the parameters of a user's model may be of another kind.
-    usual = _USUAL_FORMAT if _card(context, _USUAL_FORMAT) else _ANY_PARAMETERS
+    usual = _USUAL_FORMAT if card else _ANY_PARAMETERS
     return found | {
         "export": plain(f"grainfit export {folder} --to {solver or usual}"),
-        "card": _card(context, solver) if solver else "",
+        "card": card if solver else "",
         "card_format": solver,
     }
 
