@@ -325,6 +325,8 @@
         keys[event.key]();
       }
     });
+    // At once: a drawing that takes another's place would be empty for a moment.
+    draw();
     new ResizeObserver(redraw).observe(canvas);
     const repaint = () => {
       if (canvas.isConnected) {
