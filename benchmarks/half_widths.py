@@ -44,7 +44,7 @@ from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem, Target
 from grainfit.result import Result
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from kept_runs import records_in
 

@@ -41,7 +41,6 @@ from grainfit.metamodels.unit_cube import points_about, spread_points
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential import next_run as place
 from grainfit.strategies.sequential.belief import Belief
-from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED
 from grainfit.strategies.sequential.next_run import NextRun
 from grainfit.strategies.sequential.strategy import Sequential
 from kept_runs import records_in
@@ -85,7 +84,7 @@ def thompson(
     points = np.vstack([belief.answers.candidates, belief.answers.agreeing, *moved, everywhere])
     drawn = belief.metamodels.decorrelated(_drawn(belief.metamodels, points, random))
     misfits = (drawn**2).sum(axis=1) + belief.handicaps(points)
-    likely = belief.feasibility.success_probability(points) > LIKELY_TO_SUCCEED
+    likely = belief.feasibility.is_likely(points)
     best = int(np.argmin(np.where(likely, misfits, np.inf)))
     return NextRun(points[best], belief.problem.scopes[0])
 

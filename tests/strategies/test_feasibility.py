@@ -5,7 +5,7 @@ import pytest
 
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.problem import Parameter, Problem, Target
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.feasibility import FeasibilityModel
 
 PROBLEM = Problem(
     [Parameter("x", 10.0, 20.0), Parameter("y", 1.0, 100.0, "log")], [Target("angle", 30.0)]
@@ -61,3 +61,14 @@ def test_failures_by_the_machine_say_nothing() -> None:
     assert probability([run(0.5, 0.5, "machine")] * 5) == [1.0]
     failure = run(0.4, 0.5, "failure")
     assert probability([failure, run(0.5, 0.5, "machine")]) == probability([failure])
+
+
+def test_a_success_that_is_nearer_than_any_failure_makes_an_answer_likely() -> None:
+    runs = [run(x, 0.5, "failure") for x in (0.5, 0.51, 0.52, 0.53)] + [run(0.46, 0.5)]
+    points = np.array([[0.47, 0.5], [0.49, 0.5]])
+    found = FeasibilityModel(PROBLEM, runs)
+    assert (found.success_probability(points) < 0.5).all()
+    assert found.is_likely(points).tolist() == [True, False]
+    # At the very place of both, the share of the successes counts.
+    at = FeasibilityModel(PROBLEM, [run(0.5, 0.5), *[run(0.5, 0.5, "failure")] * 3])
+    assert not at.is_likely(MIDDLE)[0]

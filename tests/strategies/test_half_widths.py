@@ -18,7 +18,7 @@ from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Parameter, Problem, Target, TestScope
 from grainfit.strategies import messages
 from grainfit.strategies.base import Search
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.strategy_contract import converse, failed, heap_problem, nearly_quiet

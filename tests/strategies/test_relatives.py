@@ -21,7 +21,7 @@ from grainfit.problem import Relative
 from grainfit.problem import messages as of_problem
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies import messages as of_strategies
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
+from grainfit.strategies.feasibility import FeasibilityModel
 from grainfit.strategies.staged.strategy import Staged
 from grainfit.work_folder.saved_calibration import SavedCalibration
 

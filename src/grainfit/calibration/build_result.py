@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grainfit.calibration import messages
+from grainfit.calibration.failed_runs import about_failed_runs
 from grainfit.calibration.judged_answer import JudgedAnswer
 from grainfit.calibration.verification import FreshRuns
 from grainfit.evaluation import Evaluation
@@ -70,6 +71,7 @@ def make_result(
     short = [about_short_curves(curve, evaluations) for curve in search.problem.curves]
     notices += filter(None, short)
     notices += about_blow_ups(search.problem, evaluations)
+    notices += about_failed_runs(search.problem, evaluations)
     notices += _scatter_notices(search.problem)
     if outcome:
         notices += _failure_notices(outcome.fresh.evaluations)

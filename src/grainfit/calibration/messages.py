@@ -45,6 +45,9 @@ MACHINE_FAILS = Message(
     "the last {runs} runs failed for the same reason, each after several tries: {why}. Finished "
     "runs are kept; fix the cause and start again to continue."
 )
+RUNS_FAILED = Message("{failed} of {runs} runs{test} failed{where}; mostly so: {why}")
+AT_OR_ABOVE = Message("{parameter} of {limit} or more")
+AT_OR_BELOW = Message("{parameter} of {limit} or less")
 VERIFICATION_FAILED = Message("{failed} of {ended} verification runs failed: {why}")
 
 # Notices of the result.

@@ -12,9 +12,12 @@ from grainfit.contact_models.registry import material_parameter
 from grainfit.formatting import rounded_off, value_with_unit
 from grainfit.metamodels.curve_reduction import CurveBasis
 from grainfit.metamodels.designs import maximin_latin_hypercube
+from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.metamodels import Metamodels
-from grainfit.problem import CurveTarget, Parameter, Problem
+from grainfit.metamodels.unit_cube import shrinking_search, spread_points
+from grainfit.problem import CurveTarget, Parameter, Problem, Target
 from grainfit.strategies import messages
+from grainfit.strategies.feasibility import FeasibilityModel
 from grainfit.verdict.out_of_reach import CurveMiss, OutOfReach
 
 #: Standard errors by which a target must be missed beyond its tolerance to be out of reach.
@@ -26,11 +29,13 @@ _MARGIN = 1.15
 _FARTHEST = 3.0
 #: Points of a curve that are named.
 _MOST_POINTS = 3
+_STARTS = 64
 
 
 def out_of_reach(
     metamodels: Metamodels,
     optimum: NDArray[np.float64],
+    feasibility: FeasibilityModel,
     seed: int,
     standard_errors: float = STANDARD_ERRORS,
 ) -> tuple[OutOfReach, ...]:
@@ -42,6 +47,8 @@ def out_of_reach(
         Fitted on the runs so far.
     optimum : ndarray, shape (d,)
         Point at which the misfit is smallest.
+    feasibility : FeasibilityModel
+        A target that is met only where runs fail is out of reach.
     seed : int
         Decides the starts of the search for the nearest response.
     standard_errors : float
@@ -51,9 +58,12 @@ def out_of_reach(
     for group in _groups(metamodels):
         if not _is_missed(metamodels, group, optimum, standard_errors):
             continue
-        nearest_point = _nearest(metamodels, group, seed)
+        anywhere = _nearest(metamodels, group, seed)
+        nearest_point = _where_runs_succeed(metamodels, group, anywhere, feasibility, seed)
         if _is_missed(metamodels, group, nearest_point, standard_errors):
-            alone.append(_describe(metamodels, group, nearest_point, False))
+            miss = _describe(metamodels, group, nearest_point, False)
+            fails = nearest_point is not anywhere
+            alone.append(replace(miss, runs_fail_nearer=fails))
         else:
             together.append(_describe(metamodels, group, optimum, True))
     # A target missed only together with such a target may be met once that one is met.
@@ -97,19 +107,15 @@ def _nearest(metamodels: Metamodels, group: _Group, seed: int) -> NDArray[np.flo
     # Loaded late: most targets are within reach.
     from scipy.optimize import minimize
 
-    pairs = [(metamodels.models[i], metamodels.problem.targets[i]) for i in group.indices]
     dimension = metamodels.problem.dimension
-
-    def misfits(point: NDArray[np.float64]) -> NDArray[np.float64]:
-        expected = (float(model.predict(point[None]).mean[0]) for model, _ in pairs)
-        return np.array([t.misfit(e) for (_, t), e in zip(pairs, expected, strict=True)])
+    pairs = _pairs(metamodels, group)
 
     def squared(point: NDArray[np.float64]) -> float:
-        return float((misfits(point) ** 2).sum())
+        return float((_misfits(pairs, point[None]) ** 2).sum())
 
     def slope(point: NDArray[np.float64]) -> NDArray[np.float64]:
         slopes = [model.gradients(point[None])[0] / target.misfit_unit for model, target in pairs]
-        return np.asarray(2 * misfits(point) @ np.array(slopes))
+        return np.asarray(2 * _misfits(pairs, point[None])[0] @ np.array(slopes))
 
     starts = maximin_latin_hypercube(8, dimension, seed)
     ends = [
@@ -117,6 +123,38 @@ def _nearest(metamodels: Metamodels, group: _Group, seed: int) -> NDArray[np.flo
         for start in starts
     ]
     return np.asarray(min(ends, key=squared))
+
+
+def _where_runs_succeed(
+    metamodels: Metamodels,
+    group: _Group,
+    nearest: NDArray[np.float64],
+    feasibility: FeasibilityModel,
+    seed: int,
+) -> NDArray[np.float64]:
+    """Point nearest to the targets at which runs succeed: the nearest of all, if they do there."""
+    if feasibility.is_likely(nearest[None])[0]:
+        return nearest
+    pairs, random = _pairs(metamodels, group), np.random.default_rng(seed)
+
+    def misfit(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        squares = (_misfits(pairs, points) ** 2).sum(axis=1)
+        return np.where(feasibility.is_likely(points), squares, np.inf)
+
+    starts = spread_points(_STARTS, metamodels.problem.dimension, random)
+    return np.asarray(shrinking_search(misfit, starts, random, rounds=6)[0][0])
+
+
+def _pairs(metamodels: Metamodels, group: _Group) -> list[tuple[Kriging, Target]]:
+    return [(metamodels.models[i], metamodels.problem.targets[i]) for i in group.indices]
+
+
+def _misfits(
+    pairs: Sequence[tuple[Kriging, Target]], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Expected misfits at points, shape (m, number of pairs)."""
+    expected = [(model.predict(points).mean, target) for model, target in pairs]
+    return np.array([[t.misfit(float(e)) for e in means] for means, t in expected]).T
 
 
 def _describe(

@@ -182,6 +182,9 @@ CURVE_OUT_OF_REACH = Message(
     "intervals {miss}."
 )
 NO_SUCH_SHAPE = Message("No simulated curve has the shape of the measured one.")
+RUNS_FAIL_NEARER = Message(
+    "Runs fail where the metamodels expect it nearer: see why they do, or free another parameter."
+)
 NO_BOUND = Message("No single bound is in the way: free another parameter.")
 BOUND = Message("The bound in the way is {bound}; try {suggestion}.")
 NO_BOUND_BEYOND = Message(

@@ -89,6 +89,8 @@ class OutOfReach:
         Of a target that is a curve.
     unit, parameter_unit : str
         Units of the target and of the parameter.
+    runs_fail_nearer : bool
+        Runs fail where a response nearer to the target is expected.
     ratio_error : float
         Standard error that the ratio of the real apparatus to a simulated one adds; else 0.
     """
@@ -106,6 +108,7 @@ class OutOfReach:
     curve: CurveMiss | None = None
     unit: str = ""
     parameter_unit: str = ""
+    runs_fail_nearer: bool = False
     ratio_error: float = 0.0
 
     @property
@@ -119,6 +122,8 @@ class OutOfReach:
         if self.curve is not None and self.curve.has_other_shape:
             # Beyond any bound, curves of these shapes are to be expected.
             return f"{self._missed()} {messages.NO_SUCH_SHAPE()}"
+        if self.runs_fail_nearer:
+            return f"{self._missed()} {messages.RUNS_FAIL_NEARER()}"
         if self.parameter is None:
             return f"{self._missed()} {messages.NO_BOUND()}"
         bound = f"{self.parameter}.{self.bound} = {self._in_words(self.bound_value)}"

@@ -24,7 +24,7 @@ from grainfit.metamodels.unit_cube import (
     spread_points,
 )
 from grainfit.problem import Problem
-from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
+from grainfit.strategies.feasibility import FeasibilityModel
 
 #: In squared tolerances, and larger than any misfit that matters.
 _FORBIDDEN = 1e6
@@ -80,8 +80,10 @@ class AnswerSearch:
         return np.random.default_rng(self._seeds)
 
     def _misfit(self, points: Array) -> Array:
-        likely = self._feasibility.success_probability(points) > LIKELY_TO_SUCCEED
-        return np.asarray(self.metamodels.misfit(points) + np.where(likely, 0.0, _FORBIDDEN))
+        return np.asarray(self.metamodels.misfit(points) + self._forbidden(points))
+
+    def _forbidden(self, points: Array) -> Array:
+        return np.where(self._feasibility.is_likely(points), 0.0, _FORBIDDEN)
 
     def _promising(self, points: Array) -> Array:
         """Leave out points whose expected deviations are large, without their variances."""
@@ -102,7 +104,8 @@ class AnswerSearch:
         """
 
         def shortfall(points: Array) -> Array:
-            return self.metamodels.shortfall(points, standard_errors)
+            missed = self.metamodels.shortfall(points, standard_errors)
+            return np.asarray(missed + self._forbidden(points))
 
         starts = np.vstack([self.agreeing, self.closest, self.starts])
         return np.asarray(shrinking_search(shortfall, starts, self._random())[0][0])
@@ -193,7 +196,7 @@ class AnswerSearch:
         return points[0], -float(values[0])
 
     def _probability_all_met(self, points: Array) -> Array:
-        likely = self._feasibility.success_probability(points) > LIKELY_TO_SUCCEED
+        likely = self._feasibility.is_likely(points)
         # A larger time step is not bought with a value that a measurement rules out.
         likely &= (np.abs(self.problem.standardised_residuals(points)) <= 1.0).all(axis=1)
         return np.asarray(self.metamodels.probability_all_met(points) * likely)

@@ -14,9 +14,9 @@ from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.time_steps import handicaps, log_time_steps
 from grainfit.problem import Problem
+from grainfit.strategies.feasibility import FeasibilityModel
 from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.sequential.answer_search import AnswerSearch
-from grainfit.strategies.sequential.feasibility import FeasibilityModel
 from grainfit.strategies.sequential.options import SequentialOptions
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 from grainfit.verdict.edge import is_at_edge
@@ -77,7 +77,9 @@ class Belief:
             return ()
         if self.problem.relatives:
             return self._misses_without_relatives
-        return out_of_reach(self.metamodels, self.hopeful, self._seed, STANDARD_ERRORS)
+        return out_of_reach(
+            self.metamodels, self.hopeful, self.feasibility, self._seed, STANDARD_ERRORS
+        )
 
     @property
     def _misses_without_relatives(self) -> tuple[OutOfReach, ...]:

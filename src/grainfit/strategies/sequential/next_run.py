@@ -14,9 +14,9 @@ from grainfit.evaluation import Evaluation
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
 from grainfit.problem import Problem, TestScope
+from grainfit.strategies.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.sequential.belief import Belief
-from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.sequential.knowledge_gradient import KnowledgeGradient
 
 #: If the doubt expected after the pending runs is below this share of the accepted doubt, they may

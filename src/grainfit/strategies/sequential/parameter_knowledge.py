@@ -18,7 +18,7 @@ from grainfit.metamodels.importance_sampling import (
 from grainfit.metamodels.likelihood import Likelihood, log_density, log_prior
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_thread import one_thread
-from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
+from grainfit.strategies.feasibility import FeasibilityModel
 
 #: Exact metamodels must narrow an interval by this share to justify further runs: then half of
 #: the metamodels' variance is worth 7 %, and that takes as many runs again.
@@ -74,7 +74,7 @@ class ParameterKnowledge:
         with one_thread():
             self._sample = importance_sample(density, self._problem.dimension, self._random())
             self._means, self._errors = reduced.predict(self._sample.points)
-        self._likely = feasibility.success_probability(self._sample.points) > LIKELY_TO_SUCCEED
+        self._likely = feasibility.is_likely(self._sample.points)
         self._prior = log_prior(self._problem, self._sample.points)
         self._likelihood = Likelihood(self._problem)
 

@@ -11,8 +11,8 @@ from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.metamodels.unit_cube import points_about, shrinking_search, spread_points
 from grainfit.problem import TestScope
+from grainfit.strategies.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.run_costs import RunCosts
-from grainfit.strategies.sequential.feasibility import LIKELY_TO_SUCCEED, FeasibilityModel
 from grainfit.strategies.sequential.next_run import NextRun
 from grainfit.strategies.sequential.parameter_knowledge import ParameterKnowledge
 

@@ -23,6 +23,7 @@ from grainfit.strategies import messages
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.batches import Batches, BatchSearch
 from grainfit.strategies.budget import design_size
+from grainfit.strategies.feasibility import FeasibilityModel
 from grainfit.strategies.out_of_reach import out_of_reach
 from grainfit.strategies.run_costs import RunCosts
 from grainfit.strategies.seeds import insertion_seed
@@ -166,7 +167,8 @@ class StagedSearch(BatchSearch):
         """Carry out steps 2 and 3 with all runs known so far."""
         metamodels = self._metamodels()
         start = fit_on_metamodels(metamodels, self.seed)
-        self._out_of_reach = out_of_reach(metamodels, start, self.seed)
+        feasibility = FeasibilityModel(self.problem, self.known)
+        self._out_of_reach = out_of_reach(metamodels, start, feasibility, self.seed)
         if self._out_of_reach:
             self._notices += [str(miss) for miss in self._out_of_reach]
             yield from self._runs_at([start])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from grainfit.arrays import Array
@@ -50,6 +51,15 @@ class FeasibilityModel:
         chances = [test.success_probability(points) for test in self._tests]
         return np.asarray(np.prod(chances, axis=0))
 
+    def is_likely(self, points: Array) -> NDArray[np.bool_]:
+        """Whether runs at points are likely to succeed, so that one may be the answer, shape (m,).
+
+        The nearest run tells more than the share about it, where failures end at a border.
+        """
+        by_share = self.success_probability(points) > LIKELY_TO_SUCCEED
+        nearer = [test.is_nearer_success(points) for test in self._tests]
+        return np.asarray(by_share | np.all(nearer, axis=0))
+
     def success_of_run(self, test: str, points: Array) -> Array:
         """Probability that a run of a relative, or of all tests, succeeds at points, shape (m,)."""
         if test in self._relatives:
@@ -89,12 +99,26 @@ class _TestFeasibility:
         nearness = np.exp(-0.5 * (cdist(points[:, self._axes], self._points) / reach) ** 2)
         return np.asarray(1.0 - nearness @ self._failed / (_PRIOR + nearness.sum(axis=1)))
 
+    def is_nearer_success(self, points: Array) -> NDArray[np.bool_]:
+        if not self._failed.any():
+            return np.ones(len(points), dtype=bool)
+        success, failure = self._distances(points)
+        return np.asarray((success <= _PROVEN * self._reach) & (success < failure))
+
     def is_proven(self, point: Array) -> bool:
         if not self._failed.any():
             return True
-        distances = cdist(point[None, self._axes], self._points)[0]
-        nearest = int(np.argmin(distances))
-        return bool(distances[nearest] <= _PROVEN * self._reach and not self._failed[nearest])
+        [success], [failure] = self._distances(point[None])
+        return bool(success <= _PROVEN * self._reach and success <= failure)
+
+    def _distances(self, points: Array) -> tuple[Array, Array]:
+        """Distances to the nearest success and to the nearest failure, shape (m,)."""
+        distances = cdist(points[:, self._axes], self._points)
+        success, failure = (
+            distances[:, chosen].min(axis=1, initial=np.inf)
+            for chosen in (self._failed == 0, self._failed == 1)
+        )
+        return success, failure
 
     @property
     def _reach(self) -> float:

@@ -1,0 +1,74 @@
+"""Say where runs have failed, and why."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from grainfit.calibration import messages
+from grainfit.evaluation import ALL_RUNS, Evaluation
+from grainfit.formatting import rounded_off, value_with_unit
+from grainfit.problem import Problem, TestScope
+
+#: Fewer failures may be chance.
+_FEWEST = 3
+#: Share of failures above which they are said even where no parameter explains them.
+_MANY = 0.25
+
+
+def about_failed_runs(problem: Problem, evaluations: Sequence[Evaluation]) -> Iterator[str]:
+    """Say how many runs of each test have failed, if many or on one side of a parameter.
+
+    Parameters
+    ----------
+    problem : Problem
+        Tests, and the parameters that they read.
+    evaluations : sequence of Evaluation
+        All runs. Those that failed by the machine do not count.
+    """
+    telling = [e for e in evaluations if not e.failed_by_machine]
+    for scope in problem.scopes:
+        own = [e for e in telling if e.proposal.asks_for(scope.name)]
+        reasons = [_reason(e, scope.name) for e in own]
+        failed = [e for e, reason in zip(own, reasons, strict=True) if reason is not None]
+        if len(failed) < _FEWEST or len(failed) == len(own):
+            continue
+        where = _on_one_side(problem, scope, own, failed)
+        if where is None and len(failed) < _MANY * len(own):
+            continue
+        (why, _), *_ = Counter(filter(None, reasons)).most_common(1)
+        yield messages.RUNS_FAILED(
+            failed=len(failed),
+            runs=len(own),
+            test=f" of {scope.name}" if scope.name else "",
+            where=f", all with {where}" if where else "",
+            why=why,
+        )
+
+
+def _reason(evaluation: Evaluation, test: str) -> str | None:
+    """Return why the run of a test failed, or of the only one; None where it did not."""
+    failures = evaluation.failures
+    if not test:
+        return next(iter(failures.values()), None)
+    return failures.get(test, failures.get(ALL_RUNS))
+
+
+def _on_one_side(
+    problem: Problem, scope: TestScope, own: Sequence[Evaluation], failed: Sequence[Evaluation]
+) -> str | None:
+    """Return the parameter that parts the runs that failed from all others, with its limit."""
+    fine = [e for e in own if e not in failed]
+    for parameter in problem.parameters:
+        if parameter.name not in scope.parameters:
+            continue
+        bad, good = (
+            [e.proposal.parameters[parameter.name] for e in some] for some in (failed, fine)
+        )
+        if min(bad) > max(good):
+            limit = value_with_unit(rounded_off(min(bad), 3, up=False), parameter.unit)
+            return messages.AT_OR_ABOVE(parameter=parameter.name, limit=limit)
+        if max(bad) < min(good):
+            limit = value_with_unit(rounded_off(max(bad), 3, up=True), parameter.unit)
+            return messages.AT_OR_BELOW(parameter=parameter.name, limit=limit)
+    return None
