@@ -48,6 +48,13 @@ def test_an_answer_close_to_runs_that_fail_is_found(tmp_path: Path) -> None:
     assert result.parameters["a"] == pytest.approx(19.5 / 40.0, abs=0.025)
 
 
+def test_an_interval_ends_where_runs_fail(tmp_path: Path) -> None:
+    result, _ = calibrated_at(17.0, tmp_path)
+    interval = result.intervals["a"]
+    # Runs at 0.6 and 0.8 have failed; the metamodel alone would go on to 0.8.
+    assert interval.low < 17.0 / 40.0 < interval.high < 0.65
+
+
 def run(a: float, b: float, outcome: str | None = None, test: str = "heap") -> Evaluation:
     """A run of a test, and why it failed."""
     proposal = Proposal({"a": a, "b": b}, 1, "design", (test,))

@@ -401,11 +401,30 @@ def test_a_place_that_cannot_be_written_is_named_before_anything_is_done(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_comparison_does_not_replace_a_file_that_is_no_page(tmp_path: Path) -> None:
-    mine = tmp_path / "mine.toml"
+@pytest.mark.parametrize(
+    ("arguments", "name", "kind"),
+    [
+        (["compare", "one", "other", "-o"], "mine.toml", ".html"),
+        (["atlas", "-o"], "atlas.pdf", ".html"),
+        (["size", "heap.toml", "-o"], "study.html", ".png"),
+        (["report", "work", "-o"], "sand.pdf", ".html"),
+        (["report", "work", "--sheet", "-o"], "sand.html", ".pdf"),
+    ],
+    ids=["compare", "atlas", "size", "report", "sheet"],
+)
+def test_a_file_is_not_written_with_the_ending_of_another_kind(
+    tmp_path: Path, arguments: list[str], name: str, kind: str
+) -> None:
+    mine = tmp_path / name
     mine.write_text("name = 'sand'", encoding="utf-8")
 
-    done = grainfit("compare", "one", "other", "-o", "mine.toml", folder=tmp_path, code=1)
+    done = grainfit(*arguments, name, folder=tmp_path, code=1)
 
-    assert cli_messages.NOT_REPLACED.is_in(done.stderr)
+    assert cli_messages.OTHER_KIND.is_in(done.stderr, kind=kind)
     assert mine.read_text(encoding="utf-8") == "name = 'sand'"
+
+
+def test_full_size_without_twins_is_refused(tmp_path: Path) -> None:
+    calibration(tmp_path)
+    done = grainfit("run", "my sand.toml", "--full-size", folder=tmp_path, code=1)
+    assert cli_messages.FULL_SIZE_OF_NOTHING.is_in(done.stderr)

@@ -13,6 +13,7 @@ from grainfit.analysis.pareto import ParetoFront, pareto_front
 from grainfit.analysis.posterior import Posterior, sample_posterior
 from grainfit.analysis.sensitivity import Sensitivity, estimate_sensitivity
 from grainfit.evaluation import Evaluation
+from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.known_runs import (
     LARGEST_DISTANCE,
     MOST_RUNS,
@@ -26,6 +27,7 @@ from grainfit.one_thread import one_thread
 from grainfit.problem import Problem
 from grainfit.result import MetamodelQuality, ParameterInterval
 from grainfit.strategies.answer import metamodel_quality
+from grainfit.strategies.feasibility import FeasibilityModel
 
 
 @dataclass(frozen=True)
@@ -161,9 +163,15 @@ def _fitted_and_sampled(
     if last is None or last[0] != asked:
         fitted = fit_runs(problem, evaluations, seed=seed, answer=answer)
         reduced = fitted.reduced
-        posterior = None if reduced is None else sample_posterior(reduced, seed=seed)
+        succeeds = _feasibility(problem, evaluations).is_likely
+        posterior = None if reduced is None else sample_posterior(reduced, succeeds, seed=seed)
         last = _last = asked, (fitted, posterior)
     return last[1]
+
+
+def _feasibility(problem: Problem, evaluations: Sequence[Evaluation]) -> FeasibilityModel:
+    placed = [e for e in evaluations if _has_all(problem, e.proposal.parameters)]
+    return FeasibilityModel(problem, without_blow_ups(problem, placed))
 
 
 def _is_spread(evaluations: Sequence[Evaluation]) -> bool:

@@ -15,7 +15,7 @@ from grainfit.arrays import Array
 from grainfit.errors import InputError
 from grainfit.extras import import_extra
 from grainfit.metamodels.credible_interval import extended_to_bounds
-from grainfit.metamodels.likelihood import log_density
+from grainfit.metamodels.likelihood import Succeeds, log_density
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.one_line import OneLine
 from grainfit.one_thread import one_thread
@@ -145,21 +145,28 @@ class Posterior(OneLine):
 
 
 def sample_posterior(
-    metamodels: Metamodels, *, seed: int = 1, samples: int = 4000, max_steps: int = 500
+    metamodels: Metamodels,
+    succeeds: Succeeds | None = None,
+    *,
+    seed: int = 1,
+    samples: int = 4000,
+    max_steps: int = 500,
 ) -> Posterior:
     """Sample the posterior distribution of the parameters.
 
     Before the measurements, all points of the unit cube are equally likely (so all magnitudes of
-    a parameter with ``scale="log"``); a parameter with a measurement of its own is normally
-    distributed about it. The measured values are normally distributed about the
-    expected responses. Their variance is that of the measurement plus that of the metamodel's mean,
-    which includes the scatter from run to run; correlations of the targets are those of the
+    a parameter with ``scale="log"``) but those at which runs fail; a parameter with a measurement
+    of its own is normally distributed about it. The measured values are normally distributed about
+    the expected responses. Their variance is that of the measurement plus that of the metamodel's
+    mean, which includes the scatter from run to run; correlations of the targets are those of the
     measurement.
 
     Parameters
     ----------
     metamodels : Metamodels
         Of all responses; `Kriging.reduced` makes them faster.
+    succeeds : callable, optional
+        Whether runs are likely to succeed at points; by default they are everywhere.
     seed : int
         The same seed gives the same sample.
     samples : int
@@ -178,7 +185,7 @@ def sample_posterior(
     problem = metamodels.problem
     with one_thread():
         sample = sample_cube(
-            log_density(metamodels),
+            log_density(metamodels, succeeds),
             problem.dimension,
             seed=seed,
             samples=samples,

@@ -22,9 +22,17 @@ SEVERAL_SIMULATIONS = Message(
     "run {number} has {count} simulations: {names}.", "Give the name of one of them."
 )
 
+FULL_SIZE_OF_NOTHING = Message(
+    "the file has no strategy.twins: its tests are simulated as they are.",
+    "Leave it out, or add twins = 4000 to [strategy].",
+)
+
 # Files.
 EXISTS = Message("{file!r} exists already.", "Choose another name.")
 NOT_REPLACED = Message("{file!r} exists already.", "Replace it with --force.")
+OTHER_KIND = Message(
+    "{file!r} would have the content of a {kind} file.", "Give a name that ends in {kind}."
+)
 WRITTEN = Message("Wrote {file}. Edit it, then: grainfit check {file}")
 NO_REPORT = Message("No report was written ({reason}).", "'grainfit report {folder}' tries again.")
 

@@ -59,8 +59,17 @@ def settings_option(text: str) -> Any:
 
 
 def output_option(metavar: str, text: str) -> Any:
-    """Return the option of the file that a command writes; its folder is there before it begins."""
-    return typer.Option("--output", "-o", metavar=metavar, help=text, callback=require_place)
+    """Return the option of the file that a command writes; its folder is there before it begins.
+
+    A file name has the ending of the metavar, if that has one.
+    """
+    kind = Path(metavar).suffix
+
+    def checked(path: Path | None) -> Path | None:
+        found = require_place(path)
+        return require_kind(found, kind) if kind else found
+
+    return typer.Option("--output", "-o", metavar=metavar, help=text, callback=checked)
 
 
 Force = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
@@ -75,6 +84,16 @@ def require_free(path: Path | None, *, force: bool) -> None:
         return
     if path.is_file():
         raise InputError(messages.NOT_REPLACED.fault("", file=str(path)))
+
+
+def require_kind(path: Path | None, kind: str) -> Path | None:
+    """Return the path of a file to write; raise `InputError` where its ending is of another kind.
+
+    A name without an ending, such as that of a device, may be of any.
+    """
+    if path is not None and path.suffix.lower() not in ("", kind):
+        raise InputError(messages.OTHER_KIND.fault("--output", file=str(path), kind=kind))
+    return path
 
 
 def require_place(path: Path | None) -> Path | None:

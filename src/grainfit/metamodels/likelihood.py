@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grainfit.arrays import Array
 from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import Problem
+
+#: Whether runs are likely to succeed at points of the unit cube, shape (m, d) to (m,).
+Succeeds = Callable[[Array], NDArray[np.bool_]]
+#: Logarithm of the density where they fail, finite so that it can be sharpened from a constant.
+_NOTHING_TO_MEASURE = -1e6
 
 
 class Likelihood:
@@ -56,16 +62,29 @@ class Likelihood:
         return np.asarray(-0.5 * (off**2).sum(axis=1) - logarithms.sum(axis=1))
 
 
-def log_prior(problem: Problem, points: Array) -> Array:
+def log_prior(problem: Problem, points: Array, succeeds: Succeeds | None = None) -> Array:
     """Return logarithms of the density before the tests at points of the unit cube, shape (m,).
 
-    It is even over the cube; a parameter with a measurement of its own is normal about it.
+    It is even over the cube; a parameter with a measurement of its own is normal about it. It is
+    next to nothing where runs fail: there, nothing could have been measured.
     """
-    return np.asarray(-0.5 * (problem.standardised_residuals(points) ** 2).sum(axis=1))
+    found = np.asarray(-0.5 * (problem.standardised_residuals(points) ** 2).sum(axis=1))
+    if succeeds is None:
+        return found
+    return np.where(succeeds(points), found, found + _NOTHING_TO_MEASURE)
 
 
-def log_density(metamodels: Metamodels) -> Callable[[Array], Array]:
+def log_density(
+    metamodels: Metamodels, succeeds: Succeeds | None = None
+) -> Callable[[Array], Array]:
     """Return the logarithm of the posterior density over the unit cube, but for a constant.
+
+    Parameters
+    ----------
+    metamodels : Metamodels
+        Of all responses.
+    succeeds : callable, optional
+        Whether runs are likely to succeed at points; by default they are everywhere.
 
     Returns
     -------
@@ -76,6 +95,6 @@ def log_density(metamodels: Metamodels) -> Callable[[Array], Array]:
 
     def logarithms(points: Array) -> Array:
         found = likelihood.logarithms(*metamodels.predict(points))
-        return np.asarray(found + log_prior(metamodels.problem, points))
+        return np.asarray(found + log_prior(metamodels.problem, points, succeeds))
 
     return logarithms

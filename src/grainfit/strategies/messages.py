@@ -41,9 +41,6 @@ HALF_WIDTHS_MISSED = Message("Half of the 95 % interval is {reached}, where {wan
 NO_RUNS_BEFORE_ANSWER = Message(
     "Runs for it are made only once the answer agrees with all measurements."
 )
-FAILURES_AMONG_ANSWERS = Message(
-    "Runs fail at {share} of the parameter sets that agree with the measurements."
-)
 MORE_RUNS_NARROW = Message(
     "More runs would narrow it, to {best} at best; a larger budget allows them."
 )

@@ -27,7 +27,7 @@ def preview(
     file: CalibrationPath,
     settings: Annotated[list[str] | None, settings_option(_SET)] = None,
     seed: Seed = 1,
-    output: Annotated[Path | None, output_option("FILE.html", _OUTPUT)] = None,
+    output: Annotated[Path | None, output_option("FILE", _OUTPUT)] = None,
     open_it: OpenAfterwards = False,
 ) -> None:
     """Draw every test before it runs: geometry, first packing, stages, and the cost of a run.

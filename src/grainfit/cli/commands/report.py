@@ -21,6 +21,7 @@ from grainfit.cli.options import (
     open_in_browser,
     output_option,
     require_free,
+    require_kind,
 )
 from grainfit.errors import RunFailedError
 
@@ -43,6 +44,7 @@ def report(
 
     'grainfit run' writes it at its end; this command writes it at any time.
     """
+    require_kind(output, ".pdf" if sheet else ".html")
     require_free(output, force=force)
     path = _write_sheet(workdir, output) if sheet else _write(workdir, output)
     if open_it:

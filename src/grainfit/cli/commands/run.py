@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from grainfit.cli import console as show
+from grainfit.cli import messages
 from grainfit.cli.commands.report import report_at_end
 from grainfit.cli.commands.watch import Watch, watching
 from grainfit.cli.consoles import err, err_remarks, out
@@ -21,6 +22,7 @@ from grainfit.cli.notification import Notify, notifying
 from grainfit.cli.options import CalibrationPath, Workdir
 from grainfit.cli.search_options import with_search_options
 from grainfit.cli.verbosity import is_quiet, is_verbose
+from grainfit.errors import InputError
 from grainfit.strategies.registry import strategies
 
 if TYPE_CHECKING:
@@ -112,6 +114,8 @@ def run(
     with ExitStack() as stack:
         ending = stack.enter_context(notifying(notify, folder))
         setup = _setup(file, folder, local)
+        if full_size and setup.strategy.twins is None:
+            raise InputError(messages.FULL_SIZE_OF_NOTHING.fault("--full-size"))
         if watched or open_page or port:
             stack.enter_context(watching(folder, port, open_page))
         if not no_report:

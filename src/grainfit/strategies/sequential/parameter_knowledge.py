@@ -70,12 +70,11 @@ class ParameterKnowledge:
         self._metamodels = metamodels
         self._seeds = tuple(seeds)
         reduced = metamodels.reduced()
-        density = log_density(reduced)
+        density = log_density(reduced, feasibility.is_likely)
         with one_thread():
             self._sample = importance_sample(density, self._problem.dimension, self._random())
             self._means, self._errors = reduced.predict(self._sample.points)
-        self._likely = feasibility.is_likely(self._sample.points)
-        self._prior = log_prior(self._problem, self._sample.points)
+        self._prior = log_prior(self._problem, self._sample.points, feasibility.is_likely)
         self._likelihood = Likelihood(self._problem)
 
     def _random(self) -> np.random.Generator:
@@ -89,21 +88,7 @@ class ParameterKnowledge:
     @cached_property
     def at_best(self) -> Mapping[str, float]:
         """The same if the metamodels were exact: no number of runs leaves less."""
-        return self._named(self._half_widths(self._lasting))
-
-    @cached_property
-    def _lasting(self) -> Array:
-        """Variances that remain however many runs are made: none but where runs fail."""
-        if self._likely.all():
-            return np.zeros_like(self._errors)
-        known = self._metamodels.condition_on_pending(self.points).reduced()
-        _, errors = known.predict(self._sample.points)
-        return np.where(self._likely[:, None], 0.0, np.minimum(errors, self._errors))
-
-    @cached_property
-    def share_of_failures(self) -> float:
-        """Share of the parameter sets that agree with the measurements at which runs fail."""
-        return float(self._weights(self._errors)[~self._likely].sum())
+        return self._named(self._half_widths(np.zeros_like(self._errors)))
 
     @property
     def too_wide(self) -> tuple[str, ...]:
@@ -124,7 +109,7 @@ class ParameterKnowledge:
             Conditioned on the pending runs.
         """
         _, errors = conditioned.reduced().predict(self._sample.points)
-        then = np.clip(errors, self._lasting, self._errors)
+        then = np.minimum(errors, self._errors)
         return self._is_worth_runs(self._named(self._half_widths(then)))
 
     def _is_worth_runs(self, half_widths: Mapping[str, float]) -> bool:
@@ -136,11 +121,8 @@ class ParameterKnowledge:
 
     @cached_property
     def points(self) -> Array:
-        """Points that represent the posterior equally where runs may succeed, shape (m, d)."""
+        """Points that represent the posterior equally, shape (m, d)."""
         weights = self._weights(self._errors)
-        if self.share_of_failures < 1.0:
-            weights = np.where(self._likely, weights, 0.0)
-        weights /= weights.sum()
         return representatives(self._sample.points, weights, _REPRESENTATIVES, self._random())
 
     @cached_property
@@ -157,7 +139,7 @@ class ParameterKnowledge:
 
     def _narrowing_by(self, response: int) -> float:
         exact = self._errors.copy()
-        exact[:, response] = self._lasting[:, response]
+        exact[:, response] = 0.0
         then = self._named(self._half_widths(exact))
         return sum(math.log(self.half_widths[name] / then[name]) for name in self.too_wide)
 
@@ -179,8 +161,7 @@ class ParameterKnowledge:
 
     def _is_enough(self, share: float) -> bool:
         """Whether a share of the metamodels' variance leaves intervals that are not worth runs."""
-        left = np.maximum(share * self._errors, self._lasting)
-        return not self._is_worth_runs(self._named(self._half_widths(left)))
+        return not self._is_worth_runs(self._named(self._half_widths(share * self._errors)))
 
     def _weights(self, errors: Array) -> Array:
         return self._sample.weights(self._likelihood.logarithms(self._means, errors) + self._prior)

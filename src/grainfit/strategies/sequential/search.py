@@ -68,8 +68,6 @@ _LONGER_THAN_USUAL = 0.2
 _MOST_WIDENINGS = 4
 #: Runs that the expected scatter counts as, beside the measured one.
 _RUNS_OF_EXPECTED = 5
-#: Share of the parameter sets that agree at which runs fail, above which that is said.
-_MANY_FAILURES = 0.05
 
 
 def usual_design(dimension: int) -> int:
@@ -639,9 +637,6 @@ def about_half_widths(
     sentences = [messages.HALF_WIDTHS_MISSED(reached=reached, wanted=wanted)]
     if not is_answered:
         return " ".join([*sentences, messages.NO_RUNS_BEFORE_ANSWER()])
-    if knowledge.share_of_failures > _MANY_FAILURES:
-        share = _percent(knowledge.share_of_failures)
-        sentences.append(messages.FAILURES_AMONG_ANSWERS(share=share))
     best = _listed(knowledge.at_best, missed)
     if knowledge.is_worth_runs and is_budget_used:
         return " ".join([*sentences, messages.MORE_RUNS_NARROW(best=best)])
