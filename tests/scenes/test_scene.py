@@ -5,16 +5,19 @@ from dataclasses import is_dataclass, replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation as Rotated
 
 from grainfit import scenes
 from grainfit.errors import InputError
+from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes import conditions, messages, packing, records, scene, shapes
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, Series, Travel
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
 from grainfit.scenes.scene_faults import scene_faults
-from grainfit.scenes.shapes import Block, Cylinder, Plane, Prism
+from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.simulated_scenes import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
 
@@ -308,3 +311,56 @@ def test_a_first_look_is_at_a_time():
     [fault] = scene_faults(replace(scene_of(ONE, {"floor": FLOOR}, frames(0.1)), stages=(looked,)))
 
     assert messages.NO_FIRST_LOOK.is_in(str(fault))
+
+
+@pytest.mark.parametrize(
+    ("shape", "good", "bad"),
+    [
+        (Plane("z", 0.0), (0, 0, RADIUS), (0, 0, -0.05)),
+        (Plane("z", 0.0, upwards=False), (0, 0, -RADIUS), (0, 0, 0.9 * RADIUS)),
+        (Block((-0.1, -0.1, -0.1), (0.1, 0.1, 0.0)), (0, 0, RADIUS), (0, 0, -0.05)),
+        # Beside an edge, a radius away from neither face.
+        (Block((-0.1, -0.1, -0.1), (0.0, 0.1, 0.0)), (0.004, 0, 0.004), (0.003, 0, 0.003)),
+        (Prism((-0.02, -0.1, 0.0), (0.0, 0.1, 0.04), 0.04), (0.0, 0, 0.035), (0.0, 0, 0.01)),
+        (Cylinder(0.05, 0.0, 0.1), (0.045, 0, 0.05), (0.05, 0, 0.05)),
+        (Cylinder(0.05, -0.05, 0.05, "x"), (0.0, 0, 0.056), (0.0, 0, 0.051)),
+        (Cone(0.01, 0.05, 0.0, 0.04), (0.0, 0, 0.02), (0.03, 0, 0.02)),
+        (Disc(0.05, 0.0), (0.056, 0, 0.0), (0.052, 0, 0.0)),
+        (Annulus(0.02, 0.05, 0.0), (0.0, 0, 0.0), (0.03, 0, 0.002)),
+    ],
+)
+@pytest.mark.parametrize("is_put", [True, False])
+def test_particles_begin_on_the_right_side_of_a_wall(shape, good, bad, is_put):
+    wall = {"wall": Wall(shape)}
+
+    def faults(place):
+        begin = stage(put=wall if is_put else {})
+        return scene_faults(scene_of(spheres([place]), {} if is_put else wall, [begin]))
+
+    assert faults(good) == ()
+    [fault] = faults(bad)
+    assert fault.key == "wall wall"
+    assert messages.IN_WALL.is_in(str(fault), caught=1, count=1, first=list(map(float, bad)))
+
+
+def test_a_block_goes_on_through_a_period_and_a_wall_taken_away_at_first_holds_nothing():
+    block = {"block": Wall(Block((-0.1, 0.5, -0.1), (0.1, 0.6, 0.0)))}
+    inside, box = spheres([(0, 0, -0.05)]), replace(scene_of(ONE, {}, []).box, periodic="y")
+
+    assert scene_faults(scene_of(inside, block, frames(0.1))) == ()
+    assert scene_faults(scene_of(inside, block, frames(0.1), box=box))
+    gone = [stage(take_away=("block",))]
+    assert scene_faults(scene_of(inside, block, gone, box=box)) == ()
+
+
+def test_a_sphere_of_a_clump_counts_as_its_particle():
+    sizes = ParticleSizes((2 * RADIUS,), shape=ParticleShape("two_spheres", aspect_ratio=1.5))
+    scene = scene_of(spheres([(0, 0, RADIUS)]), {"floor": FLOOR}, frames(0.1), sizes=sizes)
+
+    def standing_along(axis):
+        turn, _ = Rotated.align_vectors([axis], [scene.clumps.clump.positions[0]])
+        return replace(scene.particles, orientations=turn.as_quat()[None])
+
+    assert scene_faults(replace(scene, particles=standing_along((1, 0, 0)))) == ()
+    [fault] = scene_faults(replace(scene, particles=standing_along((0, 0, 1))))
+    assert messages.IN_WALL.is_in(str(fault), caught=1, count=1)

@@ -37,6 +37,10 @@ OVERLAPS = Message(
     "{pairs} pairs overlap at the beginning, and would burst apart.",
     "Use random_column(), or place them farther apart.",
 )
+IN_WALL = Message(
+    "{caught} of {count} particles begin in it or behind it, the first at {first} m.",
+    "Move the particles or the wall: each begins on its right side, at least a radius away.",
+)
 SPHERES_TURN = Message(
     "have {name}, and are spheres.",
     "Leave them out: spheres look the same from all sides, and begin without spin.",

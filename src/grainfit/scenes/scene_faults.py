@@ -21,11 +21,13 @@ from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism, Shape
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.scenes.stl import mesh_faults
+from grainfit.scenes.wall_distances import distances
 
 _AXES = ("x", "y", "z")
 #: Beginnings of the parameters that a surface may have of its own.
 _OF_WALLS = ("wall.", "particle_wall.")
-#: Overlap of two particles at the beginning that is no rounding error, over their distance.
+#: Overlap of two particles at the beginning that is no rounding error, over their distance; of one
+#: and a wall, over its radius.
 _OVERLAP = 0.01
 
 
@@ -37,7 +39,7 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
     numbers = [*_number_faults(scene), *_box_faults(scene.box)]
     if numbers:
         return tuple(numbers)
-    return (
+    parts = (
         *_period_faults(scene),
         *_particle_faults(scene),
         *_surface_faults(scene),
@@ -46,6 +48,7 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
         *(f for stage in scene.stages for f in _stage_faults(stage)),
         *_order_faults(scene),
     )
+    return parts or tuple(_faults_at_walls(scene))
 
 
 def _is_number(value: object) -> bool:
@@ -212,6 +215,25 @@ def _wall_faults(name: str, wall: Wall, scene: Scene) -> Iterator[Fault]:
         known = ", ".join(("wall", *scene.surfaces))
         yield messages.NO_SURFACE.fault(key, surface=wall.surface, known=known)
     yield from mesh_faults(key, shape, scene.box)
+
+
+def _faults_at_walls(scene: Scene) -> Iterator[Fault]:
+    """Yield the walls of the beginning that particles begin in, or on the wrong side of."""
+    column, clumps, first = scene.particles, scene.clumps, scene.stages[0]
+    places, each = column.positions, 1
+    radii = np.array(scene.sizes.diameters)[column.size_indices] / 2
+    if clumps is not None:
+        (places, radii), each = column.outlines(clumps), len(clumps.clump)
+    for name, wall in {**scene.walls, **first.put}.items():
+        apart = distances(wall.shape, scene.box, places)
+        caught = np.unique(np.flatnonzero(apart < (1 - _OVERLAP) * radii) // each)
+        if len(caught) and name not in first.take_away:
+            yield messages.IN_WALL.fault(
+                f"wall {name}",
+                caught=len(caught),
+                count=len(column.positions),
+                first=column.positions[caught[0]].tolist(),
+            )
 
 
 def _surface_faults(scene: Scene) -> Iterator[Fault]:
