@@ -1,5 +1,7 @@
 """The random column: no contacts, all inside, right numbers, reproducible, few draws."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist, squareform
@@ -99,6 +101,7 @@ def test_height_is_that_of_a_loose_filling():
 NARROW = messages.NARROW_CONTAINER
 NOT_POSSIBLE = messages.TOO_MANY_PARTICLES
 NO_LENGTH = messages.NO_LENGTH
+SHORT = messages.SHORT_PERIOD
 
 
 @pytest.mark.parametrize(
@@ -112,6 +115,10 @@ NO_LENGTH = messages.NO_LENGTH
         (lambda: random_column(MONOSIZE, 1_000_001, Round(0.06), 1), "particles", NOT_POSSIBLE),
         (lambda: random_column(MONOSIZE, 9, Round(0.004), 1), "particles", NARROW),
         (lambda: random_column(MONOSIZE, 9, Rectangle(0.009, 0.1), 1), "particles", NARROW),
+        (lambda: random_column(MONOSIZE, 9, Rectangle(0.1, 0.015), 1), "particles", SHORT),
+        (lambda: random_column(MONOSIZE, 9, PeriodicRectangle(0.015, 1), 1), "particles", SHORT),
+        (lambda: random_in_tube(MONOSIZE, 9, 0.05, 0.015, 1), "particles", SHORT),
+        (lambda: random_in_tube(MONOSIZE, 9, math.nan, 0.06, 1), "radius", NO_LENGTH),
         (lambda: Round(-0.1), "radius", NO_LENGTH),
         (lambda: Rectangle(0.1, 0.0), "depth", NO_LENGTH),
         (lambda: PeriodicRectangle(float("nan"), 0.1), "length", NO_LENGTH),

@@ -364,3 +364,34 @@ def test_a_sphere_of_a_clump_counts_as_its_particle():
     assert scene_faults(replace(scene, particles=standing_along((1, 0, 0)))) == ()
     [fault] = scene_faults(replace(scene, particles=standing_along((0, 0, 1))))
     assert messages.IN_WALL.is_in(str(fault), caught=1, count=1)
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_wall_that_does_not_repeat_with_its_box_is_refused(axis):
+    box = replace(scene_of(ONE, {}, []).box, periodic=axis)
+    lying = "y" if axis == "x" else "x"
+
+    def faults(shape):
+        return scene_faults(scene_of(ONE, {"wall": Wall(shape)}, frames(0.1), box=box))
+
+    across, beyond = messages.ACROSS_PERIOD, messages.BEYOND_PERIOD
+    assert faults(Plane(axis, -0.05)) == (across.fault("wall wall", axis=axis),)
+    assert faults(Cylinder(0.21, -0.1, 0.1, lying)) == (beyond.fault("wall wall", axis=axis),)
+    assert faults(Cylinder(0.05, -0.01, 0.01, lying)) == ()
+    assert faults(Cylinder(0.05, -5.0, 5.0, axis)) == ()
+    assert bool(faults(Disc(0.15, 0.0))) is bool(faults(Annulus(0.05, 0.15, 0.0))) is (axis != "z")
+    assert bool(faults(Cone(0.02, 0.05, -0.5, -0.05))) is (axis == "z")
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+@pytest.mark.parametrize("shape", [None, ParticleShape("two_spheres", aspect_ratio=1.5)])
+def test_particles_overlap_across_a_periodic_side(axis, shape):
+    sizes = ParticleSizes((2 * RADIUS,), shape=shape)
+    box = Box((-0.1, -0.1, -0.1), (0.1, 0.1, 0.1))
+    places = np.zeros((2, 3))
+    places[:, "xyz".index(axis)] = (-0.098, 0.098)
+    both = scene_of(spheres(places), {}, frames(0.1), box=box, sizes=sizes)
+
+    assert messages.OVERLAPS.fault("particles", pairs=1) not in scene_faults(both)
+    [fault] = scene_faults(replace(both, box=replace(box, periodic="xyz")))
+    assert messages.OVERLAPS.is_in(str(fault), pairs=1)

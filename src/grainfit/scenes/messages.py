@@ -76,6 +76,14 @@ PRISM_PERIOD = Message(
     "is a prism, whose slope does not repeat in a box that is periodic in {axes!r}.",
     "Use a box that is periodic in y alone.",
 )
+ACROSS_PERIOD = Message(
+    "is a plane across {axis}, along which the box repeats: all is on both sides of it.",
+    "Leave the plane out, or use a box that does not repeat along {axis}.",
+)
+BEYOND_PERIOD = Message(
+    "goes beyond the box along {axis}, and does not repeat with it.",
+    "Use a larger box or a smaller wall; blocks and prisms go on through the sides.",
+)
 WALL_ENDS = Message("goes from {bottom} up to {top} m.", "bottom is below top.")
 NO_RADIUS = Message("{shape!r} has no radius above 0.", "Give one in m.")
 NO_SURFACE = Message(

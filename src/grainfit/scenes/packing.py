@@ -7,6 +7,7 @@ the seed is all that differs between two fillings.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -400,6 +401,8 @@ def random_in_tube(
         The seed is negative, or the particles find no room.
     """
     random = np.random.default_rng(_valid(seed))
+    _require_lengths(radius=radius, length=length)
+    _require_periods(sizes, (length,))
     no_room = InputError(messages.NO_ROOM.fault("particle_count", count=count, radius=radius))
     if count * mean_particle_volume(sizes) > _JAMMED * math.pi * radius**2 * length:
         raise no_room
@@ -499,10 +502,21 @@ def _require_room(sizes: ParticleSizes, count: int, footprint: Footprint) -> Non
         fault = messages.TOO_MANY_PARTICLES.fault("particles", count=count, most=MOST_PARTICLES)
         raise InputError(fault)
     largest = max(sizes.outer_diameters)
+    _require_periods(sizes, footprint.period or ())
     if footprint.area_of_centres((1 + _CLEARANCE) * largest / 2) <= 0:
         raise InputError(
             messages.NARROW_CONTAINER.fault("particles", area=footprint.area, diameter=largest)
         )
+
+
+def _require_periods(sizes: ParticleSizes, periods: Sequence[float]) -> None:
+    """Raise `InputError` if a particle would touch a neighbour from both sides, or itself."""
+    largest = max(sizes.outer_diameters)
+    InputError.raise_for(
+        messages.SHORT_PERIOD.fault("particles", axis=axis, period=period, diameter=largest)
+        for axis, period in zip("xyz", periods, strict=False)
+        if 0 < period < 2 * largest
+    )
 
 
 def _valid(seed: int) -> int:

@@ -21,7 +21,7 @@ from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism, Shape
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.scenes.stl import mesh_faults
-from grainfit.scenes.wall_distances import distances
+from grainfit.scenes.wall_distances import distances, ends_along
 
 _AXES = ("x", "y", "z")
 #: Beginnings of the parameters that a surface may have of its own.
@@ -29,6 +29,8 @@ _OF_WALLS = ("wall.", "particle_wall.")
 #: Overlap of two particles at the beginning that is no rounding error, over their distance; of one
 #: and a wall, over its radius.
 _OVERLAP = 0.01
+#: Distance beyond a periodic side that is rounding, over the period.
+_SIDE = 1e-6
 
 
 def scene_faults(scene: Scene) -> tuple[Fault, ...]:
@@ -108,9 +110,9 @@ def _particle_faults(scene: Scene) -> Iterator[Fault]:
         yield messages.OUTSIDE.fault("particles", outside=lost, count=count, first=first)
         return
     if clumps is None:
-        overlaps = _overlaps(column, sizes.diameters)
+        overlaps = _overlaps(column, sizes.diameters, scene.box)
     else:
-        overlaps = _clump_overlaps(*column.outlines(clumps), len(clumps.clump))
+        overlaps = _clump_overlaps(*column.outlines(clumps), len(clumps.clump), scene.box)
     if overlaps:
         yield messages.OVERLAPS.fault("particles", pairs=overlaps)
 
@@ -168,11 +170,23 @@ def _glued_faults(name: str, body: Glued, scene: Scene) -> Iterator[Fault]:
         yield messages.GLUED_OUTSIDE.fault(key, count=outside.sum(), first=first)
 
 
-def _overlaps(column: Column, diameters: Iterable[float]) -> int:
-    """Count pairs of particles that overlap; copies across periodic sides are left out."""
+def _in_period(places: Array, box: Box) -> tuple[Array, Array]:
+    """Return places moved into the box through its periods, and these, m: 0 where there is none."""
+    low, high = np.array(box.low, dtype=float), np.array(box.high, dtype=float)
+    periods = np.where([axis in box.periodic for axis in _AXES], high - low, 0.0)
+    repeats = np.flatnonzero(periods)
+    moved = places.copy()
+    # Twice: a little less than the lower side becomes the period, by rounding.
+    moved[:, repeats] = (places - low)[:, repeats] % periods[repeats] % periods[repeats]
+    return moved, periods
+
+
+def _overlaps(column: Column, diameters: Iterable[float], box: Box) -> int:
+    """Count pairs of particles that overlap, also across periodic sides."""
     found = 0
+    places, periods = _in_period(column.positions, box)
     trees = {
-        index: (diameter, cKDTree(column.positions[column.size_indices == index]))
+        index: (diameter, cKDTree(places[column.size_indices == index], boxsize=periods))
         for index, diameter in enumerate(diameters)
         if (column.size_indices == index).any()
     }
@@ -186,10 +200,12 @@ def _overlaps(column: Column, diameters: Iterable[float]) -> int:
     return found
 
 
-def _clump_overlaps(places: Array, radii: Array, each: int) -> int:
-    """Count pairs of clumps that overlap; copies across periodic sides are left out."""
-    pairs = cKDTree(places).query_pairs(2 * radii.max(), output_type="ndarray")
-    apart = np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)
+def _clump_overlaps(outlines: Array, radii: Array, each: int, box: Box) -> int:
+    """Count pairs of clumps that overlap, also across periodic sides."""
+    places, periods = _in_period(outlines, box)
+    pairs = cKDTree(places, boxsize=periods).query_pairs(2 * radii.max(), output_type="ndarray")
+    between = np.abs(places[pairs[:, 0]] - places[pairs[:, 1]])
+    apart = np.linalg.norm(np.minimum(between, np.abs(periods - between)), axis=1)
     owners = pairs[apart < (1 - _OVERLAP) * radii[pairs].sum(axis=1)] // each
     return len(np.unique(np.sort(owners[owners[:, 0] != owners[:, 1]], axis=1), axis=0))
 
@@ -215,6 +231,27 @@ def _wall_faults(name: str, wall: Wall, scene: Scene) -> Iterator[Fault]:
         known = ", ".join(("wall", *scene.surfaces))
         yield messages.NO_SURFACE.fault(key, surface=wall.surface, known=known)
     yield from mesh_faults(key, shape, scene.box)
+    yield from _side_faults(key, shape, scene.box)
+
+
+def _side_faults(key: str, shape: Shape, box: Box) -> Iterator[Fault]:
+    """Yield the periods of the box with which a wall does not repeat."""
+    for axis in box.periodic:
+        if isinstance(shape, Plane) and shape.axis == axis:
+            yield messages.ACROSS_PERIOD.fault(key, axis=axis)
+        elif _goes_beyond(shape, box, axis):
+            yield messages.BEYOND_PERIOD.fault(key, axis=axis)
+
+
+def _goes_beyond(shape: Shape, box: Box, axis: str) -> bool:
+    """Return whether a round wall reaches through a periodic side, where it does not go on."""
+    if not isinstance(shape, Cylinder | Cone | Disc | Annulus):
+        return False
+    low, high = ends_along(shape, axis)
+    number = _AXES.index(axis)
+    near = _SIDE * (box.high[number] - box.low[number])
+    is_along = isinstance(shape, Cylinder) and shape.axis == axis
+    return not is_along and (low < box.low[number] - near or high > box.high[number] + near)
 
 
 def _faults_at_walls(scene: Scene) -> Iterator[Fault]:

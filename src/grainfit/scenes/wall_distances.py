@@ -11,6 +11,9 @@ from grainfit.arrays import Array
 from grainfit.scenes.scene import Box
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Prism, Shape
 
+#: Walls about an axis, without a thickness.
+Round = Cylinder | Cone | Disc | Annulus
+
 
 def distances(shape: Shape, box: Box, places: Array) -> Array:
     """Return the distances of places, shape (n, 3), from a wall, m; infinite from a `Mesh`."""
@@ -21,23 +24,34 @@ def distances(shape: Shape, box: Box, places: Array) -> Array:
         return _from_solid(shape, box, places)
     if isinstance(shape, Mesh):
         return np.full(len(places), np.inf)
-    axis, *ends = _outline(shape, box)
-    radii = np.linalg.norm(np.delete(places, axis, axis=1), axis=1)
-    return _from_lines(np.column_stack((radii, places[:, axis])), [ends])
+    radii, ends = _outline(shape)
+    axis = "xyz".index(_axis(shape))
+    if _axis(shape) in box.periodic:
+        ends = box.beyond(_axis(shape))
+    away = np.linalg.norm(np.delete(places, axis, axis=1), axis=1)
+    line = zip(radii, ends, strict=True)
+    return _from_lines(np.column_stack((away, places[:, axis])), [line])
 
 
-def _outline(shape: Cylinder | Cone | Disc | Annulus, box: Box) -> tuple[int, ArrayLike, ArrayLike]:
-    """Return the axis of a round wall, and its ends as distances from and along the axis, m."""
+def ends_along(shape: Round, axis: str) -> tuple[float, float]:
+    """Return the ends of a round wall along one of x, y and z, m."""
+    radii, ends = _outline(shape)
+    return ends if axis == _axis(shape) else (-max(radii), max(radii))
+
+
+def _axis(shape: Round) -> str:
+    return shape.axis if isinstance(shape, Cylinder) else "z"
+
+
+def _outline(shape: Round) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the radii of a round wall at both ends, and where these are on its axis, m."""
     if isinstance(shape, Cylinder):
-        ends = shape.bottom, shape.top
-        if shape.axis in box.periodic:
-            ends = box.beyond(shape.axis)
-        return "xyz".index(shape.axis), (shape.radius, ends[0]), (shape.radius, ends[1])
+        return (shape.radius, shape.radius), (shape.bottom, shape.top)
     if isinstance(shape, Cone):
-        return 2, (shape.lower_radius, shape.bottom), (shape.upper_radius, shape.top)
+        return (shape.lower_radius, shape.upper_radius), (shape.bottom, shape.top)
     if isinstance(shape, Disc):
-        return 2, (0.0, shape.z), (shape.radius, shape.z)
-    return 2, (shape.inner_radius, shape.z), (shape.outer_radius, shape.z)
+        return (0.0, shape.radius), (shape.z, shape.z)
+    return (shape.inner_radius, shape.outer_radius), (shape.z, shape.z)
 
 
 def _from_solid(shape: Block | Prism, box: Box, places: Array) -> Array:
