@@ -1,7 +1,9 @@
 """Scenes as data: names, energies, concepts, and the triangles of walls."""
 
 import math
+from dataclasses import fields as dataclass_fields
 from dataclasses import is_dataclass, replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,12 +16,21 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes import conditions, messages, packing, records, scene, shapes
 from grainfit.scenes.conditions import Clear, Elapsed, Loaded
 from grainfit.scenes.glued import Glued
-from grainfit.scenes.records import Force, Frames, KineticEnergy, RadialForce, Series, Travel
+from grainfit.scenes.records import (
+    Force,
+    Frames,
+    KineticEnergy,
+    MassAbove,
+    RadialForce,
+    Series,
+    Travel,
+)
 from grainfit.scenes.scene import Box, Load, Rotation, Stage, Velocity, Wall
 from grainfit.scenes.scene_faults import scene_faults
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism
 from grainfit.scenes.triangles import triangles_of
 from grainfit.testing.simulated_scenes import MASS, RADIUS, WEIGHT, frames, scene_of, spheres
+from grainfit.validation import SMALLEST
 
 FLOOR = Wall(Plane("z", 0.0))
 LIFT = Velocity("z", 1.0)
@@ -395,3 +406,120 @@ def test_particles_overlap_across_a_periodic_side(axis, shape):
     assert messages.OVERLAPS.fault("particles", pairs=1) not in scene_faults(both)
     [fault] = scene_faults(replace(both, box=replace(box, periodic="xyz")))
     assert messages.OVERLAPS.is_in(str(fault), pairs=1)
+
+
+def full_scene():
+    """A scene with every kind of part that has a number."""
+    walls = {
+        "floor": Plane("z", 0.0),
+        "lid": Plane("z", 0.19, upwards=False),
+        "tube": Cylinder(0.09, -0.05, 0.19),
+        "block": Block((-0.09, -0.09, -0.05), (0.09, 0.09, -0.01)),
+        "slope": Prism((-0.09, -0.09, -0.05), (-0.05, 0.09, -0.01), 0.01),
+        "funnel": Cone(0.01, 0.02, -0.05, -0.02),
+        "plate": Disc(0.05, -0.01),
+        "ring": Annulus(0.01, 0.05, -0.01),
+    }
+    columns = {"held": MassAbove(0.1), "force": Force("floor", "z"), "way": Travel("lid", "z")}
+    stages = [
+        stage(
+            conditions.AtRest(1.0, 0.1),
+            strike_off=0.3,
+            sliding_friction=0.5,
+            motions={"lid": Velocity("z", -0.1), "plate": Rotation("z", 1.0)},
+            series=Series(columns, 0.1),
+            frames=Frames("film", 0.1),
+        ),
+        stage(Loaded("lid", 0.02, 3.0), "press", motions={"lid": Load("z", -1.0, 0.1, 0.01)}),
+        stage(conditions.Drained(0.05, 0.5, 1.0, 0.1), "flow"),
+        stage(Elapsed(1.0), "wait"),
+        stage(Clear("tube", 1.0), "lift"),
+    ]
+    walls = {name: Wall(shape) for name, shape in walls.items()}
+    return scene_of(ONE, walls, stages, film_interval=0.1)
+
+
+def numbers_of(part, path, put_back):
+    """Yield each number of a part of a scene, and how to make the scene with another one."""
+    if isinstance(part, float):
+        yield path, put_back
+    elif is_dataclass(part) and not isinstance(part, ParticleSizes):
+        for field in dataclass_fields(part):
+            at, name = f"{path} {type(part).__name__}.{field.name}", field.name
+            changed = partial(lambda name, new: put_back(replace(part, **{name: new})), name)
+            yield from numbers_of(getattr(part, name), at, changed)
+    elif isinstance(part, tuple | dict):
+        entries = dict(enumerate(part)) if isinstance(part, tuple) else part
+        for key, entry in entries.items():
+            changed = partial(
+                lambda key, new: (
+                    put_back(type(part)({**entries, key: new}.values()))
+                    if isinstance(part, tuple)
+                    else put_back({**part, key: new})
+                ),
+                key,
+            )
+            yield from numbers_of(entry, f"{path} {key}", changed)
+
+
+NUMBERS = dict(numbers_of(full_scene(), "", lambda scene: scene))
+OF_NO_SCENE = {"Round", "Rectangle", "Square", "PeriodicRectangle", "Mesh"}
+
+
+@pytest.mark.parametrize("place", NUMBERS)
+def test_each_number_of_a_scene_is_a_number(place):
+    assert scene_faults(full_scene()) == ()
+    for wrong in (math.nan, math.inf, -math.inf, True, "1"):
+        assert len(scene_faults(NUMBERS[place](wrong))) == 1, wrong
+
+
+def test_the_numbers_of_all_parts_of_a_scene_are_looked_at():
+    parts = {
+        name
+        for name in set(dir(scenes)) - OF_NO_SCENE
+        if is_dataclass(part := getattr(scenes, name))
+        and any("float" in field.type.split("[")[0] for field in dataclass_fields(part))
+    }
+    assert parts
+    assert {name for name in parts if not any(f" {name}." in place for place in NUMBERS)} == set()
+
+
+@pytest.mark.parametrize(
+    ("name", "least"),
+    [
+        *((name, 0.0) for name in ("Stage.sliding_friction", "lower_radius", "upper_radius")),
+        *((name, SMALLEST) for name in ("within", "largest_speed", "gain", "film_interval")),
+    ],
+)
+def test_some_numbers_of_a_scene_are_not_negative(name, least):
+    [with_value] = [make for place, make in NUMBERS.items() if place.endswith(name)]
+
+    assert scene_faults(with_value(least)) == ()
+    [fault] = scene_faults(with_value(-1.0))
+    assert "-1.0" in str(fault)
+    assert bool(scene_faults(with_value(0.0))) is (least > 0)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"box": Box((0, 0), (1, 1, 1))}, messages.BOX_CORNERS),
+        ({"walls": {"block": Wall(Block((0, 0), (1, 1, 1)))}}, messages.NO_NUMBERS),
+        ({"walls": {"plane": Wall(Plane("z", (0, 0, 0)))}}, messages.NO_NUMBERS),
+        (
+            {
+                "walls": {"floor": FLOOR},
+                "stages": (stage(motions={"floor": Rotation("x", 1.0, (0, 0))}),),
+            },
+            messages.MOTION_NUMBERS,
+        ),
+        (
+            {"walls": {"floor": FLOOR}, "stages": (recorded("way", Travel("floor", "w")),)},
+            messages.RECORD_AXIS,
+        ),
+    ],
+)
+def test_a_vector_has_three_components_and_a_record_an_axis(changed, message):
+    [fault] = scene_faults(replace(scene_of(ONE, {}, frames(0.1)), **changed))
+
+    assert message.is_in(str(fault))

@@ -10,6 +10,8 @@ _SCALE = "scale is the number of m in a unit of the file: 0.001 for mm."
 NOT_ABOVE_ZERO = Message("is {value!r}.", "Give a number above 0.")
 NO_LENGTH = Message("is {value!r}.", "Give a length above 0, in m.")
 NO_GRAVITY = Message("is {value!r}.", "Give a number in m/s^2, at least 0.")
+NO_NUMBER = Message("has {name} = {value!r}.", "Give {wanted}.")
+BOX_CORNERS = Message("has the corners {low!r} and {high!r}.", "Give three numbers each, m.")
 BOX_SIDES = Message("goes from {low!r} to {high!r} along {axis}.", "low is below high.")
 BOX_PERIODS = Message("is periodic along {axes!r}.", 'Write axes, such as "y".')
 SHORT_PERIOD = Message(

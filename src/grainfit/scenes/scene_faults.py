@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -17,11 +18,12 @@ from grainfit.scenes.conditions import AtRest, Condition, Drained, Elapsed
 from grainfit.scenes.glued import Glued
 from grainfit.scenes.packing import Column
 from grainfit.scenes.records import Force
-from grainfit.scenes.scene import Box, Motion, Scene, Stage, Wall
+from grainfit.scenes.scene import Box, Motion, Rotation, Scene, Stage, Wall
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Plane, Prism, Shape
 from grainfit.scenes.spheres import ClumpSpheres
 from grainfit.scenes.stl import mesh_faults
 from grainfit.scenes.wall_distances import distances, ends_along
+from grainfit.validation import SMALLEST, as_number
 
 _AXES = ("x", "y", "z")
 #: Beginnings of the parameters that a surface may have of its own.
@@ -31,6 +33,19 @@ _OF_WALLS = ("wall.", "particle_wall.")
 _OVERLAP = 0.01
 #: Distance beyond a periodic side that is rounding, over the period.
 _SIDE = 1e-6
+
+
+#: Numbers of the parts of a stage that have messages of their own.
+_ELSEWHERE = ("time", "limit", "at_least", "share", "every")
+_FINITE = "a finite number"
+_ABOVE_ZERO = (SMALLEST, "a number above 0")
+#: Least values of numbers that cannot be negative, by name, and what is wanted.
+_LOWEST = {
+    "sliding_friction": (0.0, "0 or a number above it"),
+    "within": _ABOVE_ZERO,
+    "largest_speed": _ABOVE_ZERO,
+    "gain": _ABOVE_ZERO,
+}
 
 
 def scene_faults(scene: Scene) -> tuple[Fault, ...]:
@@ -54,23 +69,43 @@ def scene_faults(scene: Scene) -> tuple[Fault, ...]:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.number) and math.isfinite(value)
+    return math.isfinite(as_number(value))
 
 
 def _is_interval(value: object) -> bool:
-    return _is_number(value) and value > 0  # type: ignore[operator]
+    return as_number(value) > 0 and _is_number(value)
 
 
 def _number_faults(scene: Scene) -> Iterator[Fault]:
-    for key in ("time_step", "quiet_speed", "check_interval", "typical_load"):
+    for key in ("time_step", "quiet_speed", "check_interval", "typical_load", "film_interval"):
         value = getattr(scene, key)
-        if not (_is_number(value) and value > 0):
+        is_left_out = key == "film_interval" and value is None
+        if not (is_left_out or _is_interval(value)):
             yield messages.NOT_ABOVE_ZERO.fault(key, value=value)
     if not (_is_number(scene.gravity) and scene.gravity >= 0):
         yield messages.NO_GRAVITY.fault("gravity", value=scene.gravity)
+    for name, value in scene.material.items():
+        if not _is_number(value):
+            yield messages.NO_NUMBER.fault("material", name=name, value=value, wanted=_FINITE)
+    yield from _other_numbers("particles", scene.particles)
+
+
+def _other_numbers(key: str, owner: object) -> Iterator[Fault]:
+    """Yield the numbers of a part of a scene that mean nothing, but for those checked elsewhere."""
+    for field in fields(owner):  # type: ignore[arg-type]
+        name, value = field.name, getattr(owner, field.name)
+        is_left_out = value is None and field.type == "float | None"
+        if name in _ELSEWHERE or is_left_out or field.type not in ("float", "float | None"):
+            continue
+        lowest, wanted = _LOWEST.get(name, (-math.inf, _FINITE))
+        if not (_is_number(value) and value >= lowest):
+            yield messages.NO_NUMBER.fault(key, name=name, value=value, wanted=wanted)
 
 
 def _box_faults(box: Box) -> Iterator[Fault]:
+    if None in (*_components(box.low), *_components(box.high)):
+        yield messages.BOX_CORNERS.fault("box", low=box.low, high=box.high)
+        return
     for axis, low, high in zip(_AXES, box.low, box.high, strict=True):
         if not (_is_number(low) and _is_number(high) and low < high):
             yield messages.BOX_SIDES.fault("box", low=low, high=high, axis=axis)
@@ -292,15 +327,25 @@ def _sides(block: Block | Prism, box: Box) -> list[tuple[float, float]]:
 
 
 def _lengths(shape: Shape) -> list[object]:
-    fields = [value for name, value in vars(shape).items() if name not in ("axis", "path")]
-    return [v for value in fields for v in (value if isinstance(value, tuple) else (value,))]
+    kinds = {field.name: field.type for field in fields(shape)}
+    vectors = [getattr(shape, name) for name, kind in kinds.items() if kind == "Vector"]
+    single = [getattr(shape, name) for name, kind in kinds.items() if kind == "float"]
+    return [*single, *(number for vector in vectors for number in _components(vector))]
+
+
+def _components(vector: object) -> Iterable[object]:
+    """Return the three numbers of a vector; of what is none, something that is no number."""
+    is_vector = isinstance(vector, Sequence | np.ndarray) and len(vector) == len(_AXES)
+    return vector if is_vector else [None]  # type: ignore[return-value]
 
 
 def _radii(shape: Shape) -> tuple[float, ...]:
     if isinstance(shape, Cylinder | Disc):
         return (shape.radius,)
     if isinstance(shape, Cone):
-        return (max(shape.lower_radius, shape.upper_radius),)
+        # One of them may be 0: the funnel ends in a point.
+        lower, upper = shape.lower_radius, shape.upper_radius
+        return (lower or upper, upper or lower)
     if isinstance(shape, Annulus):
         return (shape.inner_radius, shape.outer_radius - shape.inner_radius)
     return ()
@@ -308,6 +353,7 @@ def _radii(shape: Shape) -> tuple[float, ...]:
 
 def _stage_faults(stage: Stage) -> Iterator[Fault]:
     key = f"stage {stage.name}"
+    yield from _other_numbers(key, stage)
     yield from _end_faults(key, stage.until)
     for name in stage.motions:
         for motion in stage.motions_of(name):
@@ -318,8 +364,10 @@ def _stage_faults(stage: Stage) -> Iterator[Fault]:
         if not _is_interval(stage.series.every):
             yield messages.NO_RECORD_INTERVAL.fault(key, value=stage.series.every)
         for column, quantity in stage.series.columns.items():
-            if isinstance(quantity, Force) and quantity.along not in _AXES:
-                yield messages.RECORD_AXIS.fault(key, column=column, axis=quantity.along)
+            yield from _other_numbers(f"{key}, column {column}", quantity)
+            axis = getattr(quantity, "along", "")
+            if axis not in _AXES and (axis or isinstance(quantity, Force)):
+                yield messages.RECORD_AXIS.fault(key, column=column, axis=axis)
 
 
 def _end_faults(key: str, until: Condition) -> Iterator[Fault]:
@@ -332,6 +380,7 @@ def _end_faults(key: str, until: Condition) -> Iterator[Fault]:
         yield messages.NO_FIRST_LOOK.fault(key, value=at_least)
     if isinstance(until, Drained) and not (_is_number(until.share) and 0 < until.share <= 1):
         yield messages.NO_SHARE.fault(key, value=until.share)
+    yield from _other_numbers(key, until)
 
 
 def _motion_faults(key: str, name: str, motion: Motion) -> Iterator[Fault]:
@@ -339,8 +388,11 @@ def _motion_faults(key: str, name: str, motion: Motion) -> Iterator[Fault]:
         yield messages.MOTION_AXIS.fault(key, name=name, axis=motion.along)
     others = ("along", "through", "across")
     numbers = [value for field, value in vars(motion).items() if field not in others]
-    if not all(_is_number(value) for value in (*numbers, *getattr(motion, "through", ()))):
+    through = _components(motion.through) if isinstance(motion, Rotation) else ()
+    if not all(map(_is_number, (*numbers, *through))):
         yield messages.MOTION_NUMBERS.fault(key, name=name, motion=motion)
+        return
+    yield from _other_numbers(f"{key}, motion of {name}", motion)
 
 
 def _order_faults(scene: Scene) -> Iterator[Fault]:
