@@ -417,6 +417,18 @@ def test_a_faulty_file_is_refused_without_executing_anything(
     assert "executed" not in str(caught.value)
 
 
+@pytest.mark.parametrize("options", ["{ a = [1] }", "{ a = nan, b = 1 }", '{ "a b" = 1 }', "[1]"])
+def test_a_faulty_option_is_one_fault(beads: Path, tmp_path: Path, options: str) -> None:
+    path = tmp_path / "beads.toml"
+    path.write_text(FILE.replace('"SOLVER"', f'"lammps"\noptions = {options}'))
+
+    with pytest.raises(InputError) as caught:
+        load_calibration(path)
+
+    [fault] = caught.value.faults
+    assert fault.key.startswith("test[0].options")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -158,18 +158,22 @@ class Named(Kind):
         Number of entries that it needs.
     reserved : tuple of str
         Names that are taken.
+    is_whole : bool
+        Whether nothing is read of a table with a faulty entry.
     """
 
     entry: Kind
     shortest: int = 0
     reserved: tuple[str, ...] = ()
+    is_whole: bool = False
 
     def read(self, value: Any, place: Place) -> Values | None:
         """Read every entry; those that are faulty are None."""
         if not isinstance(value, dict):
             note_wrong_kind(value, place, "a table", f"Write [{place.key}] and its keys below.")
             return None
-        return {name: self._entry(name, entry, place.at(name)) for name, entry in value.items()}
+        read = {name: self._entry(name, entry, place.at(name)) for name, entry in value.items()}
+        return None if self.is_whole and None in read.values() else read
 
     def _entry(self, name: str, value: Any, place: Place) -> Any:
         if name in self.reserved:

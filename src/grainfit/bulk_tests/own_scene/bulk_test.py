@@ -96,7 +96,7 @@ _KEYS = (
     ),
     Key(
         "options",
-        Named(OptionValue()),
+        Named(OptionValue(), is_whole=True),
         "Options of the two functions: numbers, quantities with a unit (passed in SI units), "
         "texts, true and false.",
         example='{ blade_speed = "50 mm/s" }',
