@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -12,6 +13,8 @@ import pytest
 from rich.console import Console
 
 import grainfit as gf
+from grainfit.bulk_tests import messages as of_bulk_tests
+from grainfit.calibration.readiness import require_ready
 from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.calibration_file.checks import messages as of_checks
@@ -19,6 +22,7 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.cli.console import print_plan
 from grainfit.errors import InputError
+from grainfit.messages import Message
 from grainfit.options import messages as of_options
 from grainfit.problem import CurveTarget
 from grainfit.table_files import messages
@@ -434,7 +438,7 @@ def test_curve_of_a_bulk_test_is_not_a_number(tmp_path: Path) -> None:
 def measured_between(folder: Path, test: str, curve: str, places: str) -> CalibrationSetup:
     """A calibration on a curve of two points at some coordinates."""
     first, last, unit = places.split()
-    (folder / "curve.csv").write_text(f"x,y\n{first},1\n{last},2\n")
+    (folder / "curve.csv").write_text(f"x,y\n{first},0.1\n{last},0.2\n")
     target = (
         f'targets.{curve} = {{ curve = "curve.csv", x_unit = "{unit}", uncertainty = "2 %" }}\n'
     )
@@ -500,6 +504,73 @@ def test_curve_that_the_options_of_its_test_reach_is_ready(
     setup = measured_between(tmp_path, test, curve, places)
 
     assert describe_plan(setup).problems == ()
+
+
+def file_with_curve(folder: Path, test: str, curve: str, values: str) -> Path:
+    """A file with a curve of these values, in SI units, at the places 1, 2, ..."""
+    rows = [f"{place},{value}\n" for place, value in enumerate(values.split(), 1)]
+    (folder / "curve.csv").write_text("".join(["x,y\n", *rows]))
+    target = f'targets.{curve} = {{ curve = "curve.csv", uncertainty = 0.01 }}\n'
+    path = folder / "measured.toml"
+    path.write_text(compression_file(target).replace('"compression"', f'"{test}"'))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("test", "curve", "values", "line", "message"),
+    [
+        # The mass that is left.
+        ("discharge", "discharged_mass", "3 2 1 0", 5, of_bulk_tests.FALLS),
+        ("hopper", "discharged_mass", "-3 1", 2, of_bulk_tests.TOO_LOW),
+        ("compression", "strain", "0.4 0.8 1.2 1.3", 4, of_bulk_tests.TOO_HIGH),
+        ("compression", "strain", "-0.01 -0.02", 2, of_bulk_tests.TOO_LOW),
+        ("compression", "stress", "300 200", 3, of_bulk_tests.FALLS),
+        ("shear_cell", "shear_stress", "300 -200", 3, of_bulk_tests.TOO_LOW),
+        ("tapped", "compaction", "1500 1400", 3, of_bulk_tests.FALLS),
+        ("triaxial", "deviatoric_stress", "0 -900", 3, of_bulk_tests.TOO_LOW),
+        ("triaxial", "volumetric_strain", "0.5 1.2", 3, of_bulk_tests.TOO_HIGH),
+        ("heap", "profile", "0.05 -0.01", 3, of_bulk_tests.TOO_LOW),
+    ],
+)
+def test_a_curve_that_is_physically_impossible_is_refused_by_its_line(
+    tmp_path: Path, test: str, curve: str, values: str, line: int, message: Message
+) -> None:
+    with pytest.raises(InputError) as caught:
+        load_calibration_file(file_with_curve(tmp_path, test, curve, values))
+
+    [fault] = caught.value.faults
+    assert fault.key == f"test[0].targets.{curve}.curve"
+    assert f"curve.csv, line {line} is " in str(fault)
+    assert message.is_in(str(fault))
+
+
+@pytest.mark.parametrize(
+    ("test", "curve", "values"),
+    [
+        ("discharge", "discharged_mass", "-0.01 1 2 1.99"),
+        ("compression", "stress", "-3 200 400 395"),
+        ("tapped", "compaction", "1500 1490"),
+        ("triaxial", "deviatoric_stress", "900 300"),
+        ("triaxial", "volumetric_strain", "0.01 -0.03"),
+        ("drum", "surface", "-0.02 0.03"),
+        ("heap", "profile", "0.05 0.01"),
+    ],
+)
+def test_a_curve_with_noise_or_of_any_trend_is_taken(
+    tmp_path: Path, test: str, curve: str, values: str
+) -> None:
+    path = file_with_curve(tmp_path, test, curve, values)
+
+    assert len(load_calibration_file(path).tests[0].curves) == 1
+
+
+def test_a_curve_of_python_that_is_physically_impossible_is_refused(tmp_path: Path) -> None:
+    setup = measured_between(tmp_path, "discharge", "discharged_mass", "0 4 s")
+    [curve] = setup.problem.curves
+    left = replace(curve, values=curve.values[::-1])
+
+    with pytest.raises(InputError, match=r"^discharged_mass, point 2: is 0.1 kg"):
+        require_ready(replace(setup.problem, curves=[left]), setup.solvers)
 
 
 def test_a_measured_discharge_goes_on_to_rest(tmp_path: Path) -> None:

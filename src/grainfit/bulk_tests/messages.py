@@ -38,3 +38,6 @@ LENGTH_IS_SHORT = Message(
     "{value:g} m is less than {fewest:g} of the largest particles ({largest:g} m).",
     "Use at least {least:g} m.",
 )
+TOO_LOW = Message("is {value}.", "Nothing is below {least}. {why}")
+TOO_HIGH = Message("is {value}.", "Nothing is above {most}. {why}")
+FALLS = Message("is {last}, and the curve begins with {first}.", "It rises. {why}")

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
+from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.recorded_trials import RecordedTrials
+from grainfit.errors import Fault
+from grainfit.formatting import value_with_unit
 from grainfit.one_line import OneLine
 from grainfit.options.kinds import Quantity
+
+#: Share of the largest value of a measured curve that may be noise.
+_NOISE = 0.05
 
 
 @dataclass(frozen=True)
@@ -85,10 +91,42 @@ class CurveInfo(MeasuredInfo, OneLine):
         Of the values, as of a `MeasuredInfo`.
     coordinate, coordinate_unit : str
         Name and SI unit of the coordinate.
+    lowest, highest : float
+        Limits of what is physically possible.
+    rises : bool
+        Whether a curve that is lower at its end than at its beginning is impossible.
+    why : str
+        Why nothing else is possible, and what such a curve may be, in sentences.
     """
 
     coordinate: str
     coordinate_unit: str
+    lowest: float = -math.inf
+    highest: float = math.inf
+    rises: bool = False
+    why: str = ""
+
+    def impossible_point(self, values: Sequence[float]) -> tuple[int, Fault] | None:
+        """Return the position of the first value that is physically impossible, and why.
+
+        A little below its limit or the beginning of its curve, a value is noise of a measurement.
+        """
+        noise = _NOISE * max(map(abs, values))
+        for position, value in enumerate(values):
+            given = {"value": self._shown(value), "why": self.why}
+            if value < self.lowest - noise:
+                return position, messages.TOO_LOW.fault("", least=self._shown(self.lowest), **given)
+            if value > self.highest:
+                return position, messages.TOO_HIGH.fault(
+                    "", most=self._shown(self.highest), **given
+                )
+        if not self.rises or values[-1] >= values[0] - noise:
+            return None
+        first, last = self._shown(values[0]), self._shown(values[-1])
+        return len(values) - 1, messages.FALLS.fault("", first=first, last=last, why=self.why)
+
+    def _shown(self, value: float) -> str:
+        return value_with_unit(value, self.unit)
 
 
 class _GivesResponses(Protocol):

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from grainfit.bulk_tests.abilities import CurveRange, curve_range
+from grainfit.bulk_tests.response_info import CurveInfo
 from grainfit.calibration import messages
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
@@ -88,10 +89,23 @@ def _faults_of_curves(test: str, solver: Solver, problem: Problem, tests: int) -
         fault
         for curve in problem.curves
         if curve.name in names
-        for fault in _faults_of_curve(
-            names[curve.name], curve, curve_range(solver.bulk_test, names[curve.name])
+        for fault in (
+            *_faults_of_values(names[curve.name], curve, solver.bulk_test.curves),
+            *_faults_of_curve(
+                names[curve.name], curve, curve_range(solver.bulk_test, names[curve.name])
+            ),
         )
     ]
+
+
+def _faults_of_values(
+    name: str, curve: CurveTarget, known: Mapping[str, CurveInfo]
+) -> Iterator[Fault]:
+    """Yield the first value that is physically impossible; of a file, its line was named before."""
+    found = known[name].impossible_point(curve.values)
+    if found is not None:
+        position, fault = found
+        yield replace(fault, key=f"{name}, point {position + 1}")
 
 
 def _faults_of_curve(name: str, curve: CurveTarget, known: CurveRange) -> Iterator[Fault]:

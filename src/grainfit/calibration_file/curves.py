@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
+from grainfit.bulk_tests.response_info import CurveInfo
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.targets import Deviation, TargetTable
 from grainfit.errors import Fault, InputError
@@ -17,7 +19,7 @@ from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Target
 from grainfit.problem.curve_target import MOST_POINTS, CurveTarget
-from grainfit.table_files.curve_points import Points, read_covariance, read_points
+from grainfit.table_files.curve_points import Points, note_at, read_covariance, read_points
 from grainfit.table_files.reading import Wanted
 from grainfit.units import UnitError, how_to_write, is_unit, to_si, to_unit
 
@@ -46,11 +48,14 @@ class CurveTable(Kind):
         SI units of values and coordinates; None when only the user's own model knows.
     coordinate : str
         Name of the coordinate.
+    info : CurveInfo, optional
+        What is physically possible; None when only the user's own model knows.
     """
 
     unit: str | None = None
     coordinate_unit: str | None = None
     coordinate: str = ""
+    info: CurveInfo | None = None
 
     def read(self, value: Any, place: Place) -> CurveTarget | None:
         """Read the options of a curve, and its points from the CSV file."""
@@ -132,7 +137,21 @@ class CurveTable(Kind):
             read_points(one, (x, y), names, there, most=MOST_POINTS, with_spread=tells_spread)
             for one, there in places.items()
         ]
-        return None if None in found else [points for points in found if points is not None]
+        good = [
+            points
+            for points, (path, there) in zip(found, places.items(), strict=True)
+            if points is not None and self._is_possible(points, path, there)
+        ]
+        return good if len(good) == len(found) else None
+
+    def _is_possible(self, points: Points, path: Path, place: Place) -> bool:
+        """Return whether all values are physically possible; note the first that is not."""
+        found = None if self.info is None else self.info.impossible_point(points.values)
+        if found is None:
+            return True
+        position, fault = found
+        note_at(place, path, [replace(fault, key=f"line {points.lines[position]}")])
+        return False
 
     def _column(self, values: Values, key: str, unit: str | None, place: Place) -> Wanted | None:
         """Return a column and its units; None after noting a unit that cannot be converted."""

@@ -117,7 +117,7 @@ def _targets(kind: TestType, use: Use, written: Mapping[str, Any]) -> tuple[Kind
         return _or_measured(kind, name, table(info.possible), written)
 
     def of_curve(name: str, info: CurveInfo) -> Kind:
-        curve = CurveTable(info.unit, info.coordinate_unit, info.coordinate)
+        curve = CurveTable(info.unit, info.coordinate_unit, info.coordinate, info)
         return _or_measured(kind, name, curve, written)
 
     keys = tuple(

@@ -66,6 +66,8 @@ _SMALLER, _LARGER = 0.7, 0.5
 _USUAL_TRAVEL = 0.128
 #: The bed is at rest soon after the shortest fill stage.
 _FILL_SHARE = 1.05
+#: What a measured curve of a compression is.
+_MEASURED = "Compression is positive, and the curve is that of the loading alone."
 
 
 @dataclass(frozen=True)
@@ -153,6 +155,9 @@ class Compression(BulkTest):
             "from the seating stress",
             "strain",
             "",
+            lowest=0.0,
+            rises=True,
+            why=_MEASURED,
         ),
         "strain": CurveInfo(
             "",
@@ -161,6 +166,10 @@ class Compression(BulkTest):
             "every run holds the stresses up to that of the piston",
             "stress",
             "Pa",
+            lowest=0.0,
+            highest=1.0,
+            rises=True,
+            why=f"{_MEASURED} Name the unit of a strain in percent.",
         ),
     }
 

@@ -117,6 +117,10 @@ class Discharge(BulkTest):
             "whole simulated depth of a slot",
             "time",
             "s",
+            lowest=0.0,
+            rises=True,
+            why="It is the mass that has left: give what is below the outlet, or the first mass "
+            "less that in the container.",
         ),
     }
 

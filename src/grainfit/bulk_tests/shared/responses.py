@@ -70,5 +70,7 @@ HEAP_PROFILE = CurveInfo(
     "height over radius: height of the heap's outline, averaged over both sides of all silhouettes",
     "radius",
     "m",
+    lowest=0.0,
+    why="It is the height above the plate.",
     absent=AT_EDGE,
 )

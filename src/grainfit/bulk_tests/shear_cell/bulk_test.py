@@ -192,6 +192,9 @@ class ShearCell(PlaneShear):
             "preshear",
             "normal stress",
             "Pa",
+            lowest=0.0,
+            rises=True,
+            why="Points of a yield locus are above 0, and higher under a higher normal stress.",
         ),
     }
 

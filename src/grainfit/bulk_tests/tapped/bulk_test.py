@@ -140,6 +140,9 @@ class Tapped(Packing):
             "density over taps: that of the bed after each tap; as poured after none",
             "taps",
             "",
+            lowest=0.0,
+            rises=True,
+            why="A bed gets denser by taps: give densities, not volumes or heights.",
         ),
     }
 

@@ -145,6 +145,8 @@ class Triaxial(BulkTest):
             "deviatoric stress: axial stress less lateral stress, over the axial strain",
             "axial_strain",
             "",
+            lowest=0.0,
+            why="Stresses and strains of compression are positive.",
         ),
         "volumetric_strain": CurveInfo(
             "",
@@ -153,6 +155,9 @@ class Triaxial(BulkTest):
             "dilates, over the axial strain",
             "axial_strain",
             "",
+            lowest=-1.0,
+            highest=1.0,
+            why="It is a share of the first volume: name the unit of a strain in percent.",
         ),
     }
 
