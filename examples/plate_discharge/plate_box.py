@@ -40,9 +40,10 @@ def scene(material, sizes, seed, gravity, time_step, options):
     end_walls = {}
     if options.get("end_walls", False):
         # A column for a periodic slice fits between walls half a diameter beyond its ends.
-        particles = random_column(sizes, count, Rectangle(width, depth - d), seed)
+        largest = max(sizes.diameters)
+        particles = random_column(sizes, count, Rectangle(width, depth - largest), seed)
         shifted = particles.positions.copy()
-        shifted[:, 1] += d / 2
+        shifted[:, 1] += largest / 2
         particles = replace(particles, positions=shifted)
         end_walls["front"] = Wall(Plane("y", 0.0))
         end_walls["back"] = Wall(Plane("y", depth, upwards=False))
