@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import shutil
 import statistics
@@ -29,6 +30,8 @@ COMMANDS = (
     ["check", "calibration.toml"],
 )
 EXAMPLE = Path(__file__).parents[1] / "examples" / "glass_beads" / "calibration.toml"
+# An image of a container may forbid to keep compiled modules: each start would compile them again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 #: Programs to compare with: their ratio does not depend on the computer.
 BARE = {"python": "pass", "python, numpy": "import numpy"}
 
