@@ -29,6 +29,7 @@ from grainfit.report.section import ReportContext
 from grainfit.report.sections.holdout.section import holdout as section
 from grainfit.verdict import messages
 from grainfit.verdict.options import HOLDOUT
+from grainfit.work_folder import messages as of_work_folder
 
 RUNS = HOLDOUT.answer_seeds + HOLDOUT.posterior_draws + HOLDOUT.prior_draws
 #: Friction of the material, and what it gives in the test that is not fitted.
@@ -418,3 +419,42 @@ def _is_inside(wanted: gf.Problem, seed: int) -> bool:
     measured = gf.Target("flow", mean(truth) + 0.3 * random.standard_normal(), uncertainty=0.3)
     found = predict_response(wanted, "flow", parts, np.array(sample)[:, None], measured)
     return found.verdict != "does not predict"
+
+
+def test_what_ifs_and_other_files_leave_the_result_of_a_calibration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path, work = files(tmp_path), tmp_path / "sand.grainfit"
+    answer = gf.load(path).calibrate(work).parameters["friction"]
+    kept = (work / "result.json").read_bytes()
+
+    other = gf.predict(path, settings=["friction=0.3"])
+    assert other["drum"].responses["flow"].verdict == "does not predict"
+    [said] = other.remarks
+    assert of_work_folder.ANOTHER_MATERIAL.is_in(said, name="friction", value="0.3")
+    assert (work / "result.json").read_bytes() == kept
+
+    with pytest.raises(gf.InputError) as refused:
+        gf.predict(path, settings=["friction=5"])
+    assert of_work_folder.FAR_FROM_RUNS.is_in(str(refused.value), value="5", low="0.1", high="0.9")
+
+    elsewhere = tmp_path / "drum.toml"
+    text = path.read_text().replace(f"value = {FLOW}", "value = 17.0")
+    free = "friction = { min = 0.1, max = 0.9 }"
+    elsewhere.write_text(text.replace(free, "friction = 0.2\ncolour = { min = 0, max = 1 }"))
+    found = gf.predict(elsewhere, tests=["drum"], answer_of=work, settings=["colour=0.5"])
+    assert found["drum"].responses["flow"].measured == 17.0
+    fixed, foreign = found.remarks
+    shown = f"{answer:.4g}"
+    assert of_work_folder.IN_PLACE_OF_FIXED.is_in(fixed, name="friction", value=shown, fixed="0.2")
+    assert of_work_folder.OF_ANOTHER_FILE.is_in(foreign, file="drum.toml")
+    assert (work / "result.json").read_bytes() == kept
+
+    # Neither has changed what this file registered, and what is put back is as it was.
+    changed = path.read_text().replace(f"value = {FLOW}", f"value = {FLOW + 0.1}")
+    original = path.read_text()
+    path.write_text(changed)
+    assert gf.predict(path)["drum"].registration.changed
+    path.write_text(original)
+    assert not gf.predict(path)["drum"].registration.changed

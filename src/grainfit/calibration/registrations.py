@@ -130,7 +130,8 @@ class HoldoutFile:
             known.append(entry)
             self._write(_Content((*self._content.registrations, entry), self._content.draws))
         first, last = known[0], known[-1]
-        changed = last.date if len(known) > 1 else ""
+        # Targets that were put back are the registered ones.
+        changed = last.date if last.targets_hash != first.targets_hash else ""
         return Registration(first.date, first.runs, first.targets_hash, first.file_hash, changed)
 
     def draws(self, key: str) -> Draws | None:

@@ -11,6 +11,8 @@ from grainfit.metamodels import messages
 
 #: Beyond these, squares of a response or of its rounding error are no floating-point numbers.
 MAGNITUDES = (1e-100, 1e100)
+#: Distance from the unit cube up to which points are predicted, in its sides.
+BEYOND_CUBE = 1.0
 
 
 def checked(name: str, array: ArrayLike, shape: tuple[int | None, ...]) -> Array:
@@ -70,7 +72,7 @@ def checked_noise(noise: ArrayLike | None, n: int, name: str = "noise_variance")
 def checked_points(points: ArrayLike, d: int | None) -> Array:
     """Return points in or about the unit cube of d dimensions, or raise `InputError`."""
     found = checked("points", points, (None, d))
-    if found.size and (found.min() < -1.0 or found.max() > 2.0):
+    if found.size and (found.min() < -BEYOND_CUBE or found.max() > 1.0 + BEYOND_CUBE):
         low, high = found.min(), found.max()
         raise InputError(messages.OUTSIDE_CUBE.fault("points", low=low, high=high))
     return found

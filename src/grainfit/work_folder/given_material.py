@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import isclose
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from grainfit.calibration.holdout import Material
 from grainfit.calibration_file.build import CalibrationSetup
 from grainfit.errors import Fault, InputError
 from grainfit.files import LARGEST_RESULT, read_within
+from grainfit.formatting import value_with_unit
 from grainfit.plain_data import parse_json, read_plain
 from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
@@ -66,6 +68,22 @@ def answer_for(
     faults += _open(setup, {*answer, *_names(settings)}, folder)
     InputError.raise_for(faults)
     return dict(answer)
+
+
+def in_place_of_fixed(
+    setup: CalibrationSetup, answer: Mapping[str, float], settings: Sequence[str]
+) -> list[str]:
+    """Return the parameters that the file fixes otherwise than the answer, in sentences."""
+    fixed, given = setup.file.fixed, _names(settings)
+    return [
+        messages.IN_PLACE_OF_FIXED(
+            name=name,
+            value=value_with_unit(value, setup.quantity(name).unit or ""),
+            fixed=value_with_unit(fixed[name], setup.quantity(name).unit or ""),
+        )
+        for name, value in answer.items()
+        if name in fixed and name not in given and not isclose(fixed[name], value, rel_tol=1e-9)
+    ]
 
 
 def _names(settings: Sequence[str]) -> set[str]:

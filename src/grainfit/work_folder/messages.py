@@ -145,6 +145,18 @@ NO_HOLDOUT = Message(
     "there is no [[holdout]] in the file.", "Add one, or name a test: --test NAME."
 )
 NO_SUCH_TEST = Message("{given!r} is no test of the file.", "{remedy}")
+FAR_FROM_RUNS = Message(
+    "is set to {value}, and was calibrated between {low} and {high}: its runs tell nothing there.",
+    "Set a nearer value, or simulate it: grainfit simulate FILE --set NAME=VALUE.",
+)
+ANOTHER_MATERIAL = Message(
+    "{name} is {value} here and {answer} in the answer: this is not the calibrated material, and "
+    "its result stays as it is."
+)
+OF_ANOTHER_FILE = Message(
+    "{file} is not the calibration file of {folder}, whose result stays as it is."
+)
+IN_PLACE_OF_FIXED = Message("{name} is {value}, as in the answer; the file has {fixed}.")
 NO_POSTERIOR = Message("no parameter set agrees with the tests fitted in {folder!r}: {why}")
 MATERIAL_UNREADABLE = Message(
     "{path!r} cannot be read: {why}.",

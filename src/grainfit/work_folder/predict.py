@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -26,13 +26,19 @@ from grainfit.campaign.open_campaign import held_store
 from grainfit.campaign.work_folder import RESULT_NAME, default_workdir, simulations_folder
 from grainfit.errors import InputError, StoreError
 from grainfit.files import writing
+from grainfit.formatting import number, value_with_unit
+from grainfit.metamodels.checked_arrays import BEYOND_CUBE
 from grainfit.options.kinds import suggest
 from grainfit.result import HoldoutResult
 from grainfit.solvers.base import Solver
 from grainfit.tables import Summary
 from grainfit.validation import whole_number_faults
 from grainfit.work_folder import messages
-from grainfit.work_folder.given_material import answer_for, material_of_file
+from grainfit.work_folder.given_material import (
+    answer_for,
+    in_place_of_fixed,
+    material_of_file,
+)
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 
@@ -46,10 +52,13 @@ class Predictions(Summary):
         Work folder or file of the material.
     holdouts : tuple of HoldoutResult
         One for each test.
+    remarks : tuple of str
+        In what the material is not the answer of the calibration, or the file not its own.
     """
 
     material: str
     holdouts: tuple[HoldoutResult, ...]
+    remarks: tuple[str, ...] = ()
 
     def __getitem__(self, test: str) -> HoldoutResult:
         """Return the prediction of a test."""
@@ -61,11 +70,13 @@ class Predictions(Summary):
 
     def summary(self) -> tuple[str, ...]:
         """Return the sentences that `print` and a notebook show."""
-        return tuple(sentence for one in self.holdouts for sentence in one.sentences())
+        sentences = (sentence for one in self.holdouts for sentence in one.sentences())
+        return (*sentences, *self.remarks)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the predictions as plain data."""
-        return {"material": self.material, "holdouts": [asdict(one) for one in self.holdouts]}
+        holdouts = [asdict(one) for one in self.holdouts]
+        return {"material": self.material, "holdouts": holdouts, "remarks": self.remarks}
 
 
 def predict(
@@ -102,7 +113,8 @@ def predict(
     Returns
     -------
     Predictions
-        `print` shows them. Those of a calibration are written into its result.
+        `print` shows them. Those of the file of a calibration at its answer are written into its
+        result.
 
     Raises
     ------
@@ -127,14 +139,22 @@ def predict(
     place = Path(answer_of or default_workdir(setup.file.path))
     saved = SavedCalibration.open(place) if answer_of is None or place.is_dir() else None
     holdouts = _chosen(setup, tests)
+    remarks = setup.outside(settings)
+    usual, is_kept, is_own = simulations_folder(setup.file.path), False, True
     if saved is None:
         material = material_of_file(setup, place, settings)
     else:
-        material = _material(setup, saved, settings)
+        usual, is_own = place, saved.source == setup.file.path.name
+        answer = answer_for(setup, saved, settings)
+        material = _material(setup, saved, answer, settings)
+        others = _others(setup, answer, material)
+        remarks += [*in_place_of_fixed(setup, answer, settings), *others]
+        if not is_own:
+            remarks.append(messages.OF_ANOTHER_FILE(file=setup.file.path.name, folder=str(place)))
+        is_kept = is_own and not others
         fitted = {one.definition.model_hash: one.test for one in saved.records.values()}
         require_not_fitted(saved.problem, fitted, holdouts)
     require_holdouts(material.problem, {}, holdouts)
-    usual = place if saved is not None else simulations_folder(setup.file.path)
     folder = Path(workdir or usual).absolute()
     with ExitStack() as stack:
         executor = None
@@ -145,8 +165,11 @@ def predict(
         file = HoldoutFile(folder)
         finished = sum(state == "finished" for state in store.states().values())
         text = setup.provenance.text
+        # Hold-outs of the same name in two files are two.
+        prefix = "" if is_own else f"{setup.file.path.name}: "
         known = {
-            one.name: file.register(one.name, one.measured, text, finished) for one in holdouts
+            one.name: file.register(prefix + one.name, one.measured, text, finished)
+            for one in holdouts
         }
 
         def make(holdout: Holdout, solver: Solver) -> Campaign:
@@ -159,9 +182,9 @@ def predict(
         found = []
         for one in holdouts:
             found.append(predict_holdout(one, material, file, make, show(one), known[one.name]))
-            if saved is not None and folder == saved.folder.absolute():
+            if saved is not None and is_kept and folder == saved.folder.absolute():
                 _keep(saved, found)
-    return Predictions(str(place), tuple(found))
+    return Predictions(str(place), tuple(found), tuple(remarks))
 
 
 def _chosen(setup: CalibrationSetup, names: Sequence[str]) -> list[Holdout]:
@@ -182,11 +205,23 @@ def _chosen(setup: CalibrationSetup, names: Sequence[str]) -> list[Holdout]:
 
 
 def _material(
-    setup: CalibrationSetup, saved: SavedCalibration, settings: Sequence[str]
+    setup: CalibrationSetup,
+    saved: SavedCalibration,
+    answer: Mapping[str, float],
+    settings: Sequence[str],
 ) -> Material:
     """Return the answer of a calibration, and the parameter sets that agree with its tests."""
-    answer = answer_for(setup, saved, settings)
     values = setup.values(settings, answer)
+    InputError.raise_for(
+        messages.FAR_FROM_RUNS.fault(
+            parameter.name,
+            value=value_with_unit(values[parameter.name], parameter.unit),
+            low=number(parameter.minimum),
+            high=value_with_unit(parameter.maximum, parameter.unit),
+        )
+        for parameter in saved.problem.parameters
+        if abs(parameter.to_unit(values[parameter.name]) - 0.5) > 0.5 + BEYOND_CUBE
+    )
     found = analyse_parameters(saved.problem, saved.known, seed=saved.seed, answer=answer)
     if found.posterior is None:
         why = saved.why_nothing_agrees or " ".join(found.notes)
@@ -197,6 +232,19 @@ def _material(
         if values[parameter.name] != answer[parameter.name]:
             sample[:, axis] = parameter.to_unit(values[parameter.name])
     return Material(saved.problem, values, sample, saved.seed, saved.identity)
+
+
+def _others(setup: CalibrationSetup, answer: Mapping[str, float], material: Material) -> list[str]:
+    """Return the parameters that are set to another value than the answer has, in sentences."""
+    return [
+        messages.ANOTHER_MATERIAL(
+            name=name,
+            value=value_with_unit(material.answer[name], setup.quantity(name).unit or ""),
+            answer=value_with_unit(value, setup.quantity(name).unit or ""),
+        )
+        for name, value in answer.items()
+        if material.answer[name] != value
+    ]
 
 
 def _keep(saved: SavedCalibration, found: Sequence[HoldoutResult]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from grainfit.formatting import in_a_row
 from grainfit.strategies.seeds import LARGEST_SEED
 from grainfit.validation import whole_number_faults
 from grainfit.work_folder import messages
-from grainfit.work_folder.given_material import answer_for
+from grainfit.work_folder.given_material import answer_for, in_place_of_fixed
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
@@ -84,7 +84,7 @@ def repeat_runs(
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
     workers = setup.workers if workers is None else workers
     _require_counts(repeat=repeat, seed=seed, workers=workers)
-    answer = None
+    answer: Mapping[str, float] = {}
     if answer_of is not None:
         answer = answer_for(setup, SavedCalibration.open(answer_of), settings)
     values = setup.values(settings, answer)
@@ -100,7 +100,8 @@ def repeat_runs(
     found = scatter_over_seeds(
         evaluations, setup.problem.targets, _units(setup), setup.problem.curves
     )
-    return replace(found, remarks=tuple(_remarks(setup, found.evaluations)))
+    remarks = (*in_place_of_fixed(setup, answer, settings), *_remarks(setup, found.evaluations))
+    return replace(found, remarks=remarks)
 
 
 def _units(setup: CalibrationSetup) -> dict[str, str]:

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from grainfit.cli import console as show
-from grainfit.cli.consoles import out
+from grainfit.cli.consoles import err_remarks, out
 from grainfit.cli.documents import AsJson, print_document
+from grainfit.cli.exit_codes import BAD_INPUT
 from grainfit.cli.options import CalibrationPath, Workers, settings_option, workdir_option
 from grainfit.cli.simulating import simulating
 
@@ -74,3 +75,7 @@ def predict(
         print_document("prediction", found.to_dict())
     else:
         show.print_holdouts(out, found.holdouts)
+        for remark in found.remarks:
+            err_remarks.print(f"Note: {remark}", highlight=False, markup=False)
+    if any(one.state == "failed" for one in found.holdouts):
+        raise typer.Exit(BAD_INPUT)
