@@ -8,6 +8,7 @@ import sys
 import textwrap
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from grainfit.result import RunSummary
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies import messages
 from grainfit.verdict import messages as of_verdict
+from grainfit.work_folder.status import read_status
 
 #: Seeds of the runs that were made: a function that held them itself would be another model.
 CALLS: list[int] = []
@@ -169,6 +171,20 @@ def test_interrupted_while_it_recalls_what_it_knows_it_forgets_nothing(tmp_path:
     result = gf.calibrate(problem(), drum, workdir=tmp_path, seed=3)
     assert result.runs.reused >= 9
     assert result.parameters == undisturbed().parameters
+
+
+def test_a_finished_result_survives_ctrl_c_while_its_runs_are_recalled(tmp_path: Path) -> None:
+    def stop(progress: gf.Progress) -> None:
+        if progress.done == 5:
+            raise KeyboardInterrupt
+
+    first = gf.calibrate(problem(), drum, workdir=tmp_path, seed=3)
+    kept = (tmp_path / "result.json").read_bytes()
+    stopped = gf.calibrate(problem(), drum, workdir=tmp_path, seed=3, on_progress=stop)
+
+    assert (tmp_path / "result.json").read_bytes() == kept
+    assert read_status(tmp_path).state == first.status == "calibrated"
+    assert stopped == replace(first, status="interrupted")
 
 
 def test_larger_and_larger_budgets_continue_one_history(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -33,7 +33,7 @@ from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.source import open_source
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME, recover
-from grainfit.errors import Fault, InputError
+from grainfit.errors import Fault, InputError, StoreError
 from grainfit.ground_messages import CANNOT_BE_WRITTEN
 from grainfit.one_thread import one_thread
 from grainfit.problem import Problem
@@ -223,7 +223,11 @@ def calibrate(
         stack.callback(runs.close)
         if folder is not None:
             recover(folder, runs)
-            options = replace(options, live_file=stack.enter_context(LiveFile(folder)))
+            options = replace(
+                options,
+                live_file=stack.enter_context(LiveFile(folder)),
+                earlier_result=_earlier_result(folder / RESULT_NAME),
+            )
         for source in [runs_from] if isinstance(runs_from, str | Path) else runs_from:
             with open_source(source) as other:
                 take_runs(other, problem, {**solvers, **cheaper}, runs)
@@ -250,11 +254,12 @@ def calibrate(
         )
         campaign = Campaign(solvers, runs, folder, making, shared, cheaper)
         stack.callback(campaign.close)
-        own = replace(problem, relatives=())
-        loop = CalibrationLoop(own, search, campaign, runs, options)
-        keep_result = partial(_keep, path=None if folder is None else folder / RESULT_NAME)
+        loop = CalibrationLoop(replace(problem, relatives=()), search, campaign, runs, options)
         after = HoldoutsAfter(holdouts, problem, runs, folder, options, making, shared)
-        return after.predicted(loop.run(), loop.material, keep_result)
+        result = loop.run()
+        if loop.earlier_stays:
+            return result
+        return after.predicted(result, loop.material, partial(_keep, folder=folder))
 
 
 @contextmanager
@@ -272,10 +277,18 @@ def _shown(on_progress: Callable[[Progress], None] | None) -> Iterator[Callable[
         yield show
 
 
-def _keep(result: Result, path: Path | None) -> Result:
+def _earlier_result(path: Path) -> Result | None:
+    """Return the result in a work folder; None where none can be read."""
+    with suppress(StoreError):
+        return Result.from_json(path)
+    return None
+
+
+def _keep(result: Result, folder: Path | None) -> Result:
     """Write the result where there is a place for it; if that fails, return it with a notice."""
-    if path is None:
+    if folder is None:
         return result
+    path = folder / RESULT_NAME
     try:
         result.to_json(path)
     except OSError as error:

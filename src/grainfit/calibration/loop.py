@@ -51,13 +51,18 @@ from grainfit.verdict.rule import Status
 
 #: Failed runs without a success after which a calibration stops: for one reason, and for several.
 _MOST_EQUAL_FAILURES, _MOST_FAILURES = 3, 8
+#: Statuses of runs that are not made again.
+_ENDED = ("finished", "failed")
 #: Of many fresh seeds that are needed, this part is run before the answer is judged again.
 _PART = 4
 
 
 @dataclass(frozen=True)
 class LoopOptions:
-    """Options of a calibration loop, see `grainfit.calibrate`."""
+    """Options of a calibration loop, see `grainfit.calibrate`.
+
+    ``earlier_result`` is that in the work folder.
+    """
 
     name: str
     workers: int
@@ -68,6 +73,7 @@ class LoopOptions:
     live_file: LiveFile | None = None
     twins: Twins | None = None
     near_runs: bool = True
+    earlier_result: Result | None = None
 
 
 class CalibrationLoop:
@@ -111,6 +117,10 @@ class CalibrationLoop:
         self._requested = 0
         #: Requests of earlier starts of this calibration that this start has not reached yet.
         self._recorded: deque[RequestRecord] = deque()
+        #: Whether Ctrl-C has left the result of an earlier start as it is.
+        self.earlier_stays = False
+        #: Requests of earlier starts whose runs have ended.
+        self._ended_before = 0
         self._started = time.monotonic()
         self._definition = self._define()
         self._identity = identity_of(self._definition)
@@ -196,7 +206,10 @@ class CalibrationLoop:
         }
 
     def run(self) -> Result:
-        """Run the calibration to its end. Ctrl-C stops it and returns the best result so far."""
+        """Run the calibration to its end. Ctrl-C stops it and returns the best result so far.
+
+        While the runs of an earlier start are recalled, that is its result (`earlier_stays`).
+        """
         self._begin()
         outcome: JudgedAnswer | None
         status: Status = "interrupted"
@@ -207,6 +220,10 @@ class CalibrationLoop:
                 status = "predicted"
         except KeyboardInterrupt:
             self._campaign.cancel()
+            if earlier := self._better_result:
+                self.earlier_stays = True
+                self._store.end_calibration(self._identity, earlier.status)
+                return replace(earlier, status="interrupted")
             outcome = self._best_so_far()
         except BaseException as error:
             self._campaign.cancel()
@@ -221,7 +238,10 @@ class CalibrationLoop:
 
     def _begin(self) -> None:
         """Write the start to the store, and recall known runs and requests of earlier starts."""
-        self._recorded.extend(self._requests_of_earlier_starts())
+        recorded = self._requests_of_earlier_starts()
+        self._recorded.extend(recorded)
+        ended = {run for run, state in self._store.states().items() if state in _ENDED}
+        self._ended_before = sum(ended.issuperset(one.runs.values()) for one in recorded)
         known = self._known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
         runs += self._near.identities
@@ -269,6 +289,13 @@ class CalibrationLoop:
             No parameter set agrees with the targets, as far as the runs tell.
         """
         return material_of_result(result, self._problem, self._own_evidence(), self._known)
+
+    @property
+    def _better_result(self) -> Result | None:
+        """The result of an earlier start, if it rests on more runs than are recalled yet."""
+        found = self._options.earlier_result
+        is_better = len(self._evaluations) < self._ended_before
+        return found if found and is_better and found.identity == self._identity else None
 
     def _requests_of_earlier_starts(self) -> list[RequestRecord]:
         recorded = self._store.requests(self._identity)
