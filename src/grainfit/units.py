@@ -159,6 +159,22 @@ def is_unit(text: str) -> bool:
     return True
 
 
+def is_same_unit(text: str, unit: str) -> bool:
+    """Return False for a text that is a unit, but another one; words for people may be any.
+
+    Examples
+    --------
+    >>> is_same_unit("°", "deg"), is_same_unit("mm", "deg"), is_same_unit("g/cm^3", "kg/m^3")
+    (True, False, False)
+    """
+    if text == unit:
+        return True
+    try:
+        return to_unit(f"1 {text}", unit) == 1
+    except UnitError:
+        return not is_unit(text)
+
+
 #: Powers of mass, length and time in SI units, whose products are known without pint.
 _POWERS = {
     "deg": (0, 0, 0),

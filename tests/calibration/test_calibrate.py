@@ -22,6 +22,7 @@ from grainfit.calibration.messages import ALL_FAILED
 from grainfit.result import RunSummary
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies import messages
+from grainfit.testing.materials import GLASS_BEADS
 from grainfit.verdict import messages as of_verdict
 from grainfit.work_folder.status import read_status
 
@@ -401,6 +402,64 @@ def test_single_failures_are_counted_and_cost_these_runs_alone(simulate: Any) ->
 def test_arguments_that_cannot_be_used_are_named(options: dict[str, object], word: str) -> None:
     with pytest.raises(gf.InputError, match=word):
         gf.calibrate(problem(), **({"simulate": drum} | options))  # type: ignore[arg-type]
+
+
+FREE = "particle_particle.rolling_friction"
+STIFF = {**GLASS_BEADS, "particle.youngs_modulus": 1e8}
+FIXED = {name: value for name, value in STIFF.items() if name != FREE}
+
+
+def in_units(target: gf.Target | gf.CurveTarget, **held: Any) -> None:
+    """Calibrate a heap, or a compression to a curve, far enough to be refused."""
+    is_curve = isinstance(target, gf.CurveTarget)
+    test = gf.tests.Compression if is_curve else gf.tests.Heap
+    given = {"curves": [target]} if is_curve else {"targets": [target]}
+    problem = gf.Problem(**{"parameters": [gf.Parameter(FREE, 0.1, 0.4)], "targets": [], **given})
+    # A budget without room for any run ends it after all else was accepted.
+    solver = gf.solvers.Lammps(test(diameter="10 mm"), FIXED)
+    gf.calibrate(problem, solver, max_runs=1, **held)
+
+
+@pytest.mark.parametrize(
+    ("target", "place", "unit"),
+    [
+        (gf.Target("angle_of_repose", "22 mm"), "angle_of_repose: is in m", '"22 deg"'),
+        (gf.Target("angle_of_repose", 22.0, uncertainty="1 mm"), "is in m", '"22 deg"'),
+        (gf.Target("bulk_density", 1.5, unit="g/cm^3"), "bulk_density", "kg/m^3"),
+        (
+            gf.CurveTarget("stress", [0.01, 0.02], [1e3, 2e3], "2 %", unit="kPa"),
+            "stress: is in kPa",
+            "in Pa",
+        ),
+        (
+            gf.CurveTarget("stress", [1.0, 2.0], [1e3, 2e3], "2 %", coordinate_unit="%"),
+            "stress.coordinate_unit: is in %",
+            "no unit",
+        ),
+    ],
+)
+def test_a_target_in_another_unit_than_its_response_is_refused(
+    target: gf.Target | gf.CurveTarget, place: str, unit: str
+) -> None:
+    with pytest.raises(gf.InputError) as refused:
+        in_units(target)
+    assert place in str(refused.value)
+    assert unit in str(refused.value)
+
+
+def test_hold_outs_have_the_units_of_their_responses() -> None:
+    packing = gf.solvers.Lammps(gf.tests.Packing(diameter="10 mm"), FIXED)
+    held = gf.Holdout("packing", packing, [gf.Target("bulk_density", "15 mm")])
+    with pytest.raises(gf.InputError, match="packing, bulk_density: is in m"):
+        in_units(gf.Target("angle_of_repose", "22 deg"), holdouts=[held])
+
+
+@pytest.mark.parametrize("target", [{"value": "0.4 rad"}, {"unit": "°"}, {"unit": "Neigung"}])
+def test_units_that_mean_the_same_and_words_for_people_are_accepted(
+    target: dict[str, Any],
+) -> None:
+    with pytest.raises(gf.InputError, match="max_runs"):
+        in_units(gf.Target(**{"name": "angle_of_repose", "value": 22.0, **target}))
 
 
 @pytest.mark.usefixtures("ctrl_c")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.registry import response_info
 from grainfit.calibration import messages
+from grainfit.calibration.readiness import unit_faults
 from grainfit.calibration.registrations import Draws, HoldoutFile
 from grainfit.calibration.scopes import restricted_to_used
 from grainfit.errors import Fault, InputError, RunFailedError
@@ -189,7 +190,9 @@ def require_holdouts(
         if holdout.name in taken:
             raise InputError(messages.HOLDOUT_OF_SAME_NAME.fault(key))
         taken.add(holdout.name)
-        InputError.raise_for(replace(f, key=key) for f in _faults(problem, holdout))
+        InputError.raise_for(
+            replace(f, key=", ".join(filter(None, (key, f.key)))) for f in _faults(problem, holdout)
+        )
         holdout.model.check()
     require_not_fitted(
         problem, {identity_of(one.model()): name for name, one in solvers.items()}, holdouts
@@ -233,6 +236,7 @@ def _faults(problem: Problem, holdout: Holdout) -> Iterator[Fault]:
     for name in sorted(holdout.needed.difference(known or holdout.needed)):
         responses = ", ".join(sorted(known or ()))
         yield messages.HOLDOUT_WITHOUT_RESPONSE.fault("", name=name, responses=responses)
+    yield from unit_faults(holdout.model, {target.name: target for target in holdout.measured})
     try:
         own, solver = restricted_to_used(problem, holdout.model)
     except InputError as error:

@@ -16,6 +16,7 @@ CURVE_BEYOND_RUNS = Message(
     "is measured from {first:.6g} to {last}, and runs of this test have no values {beyond}.",
     "{change} these points out, or correct their unit.",
 )
+OTHER_UNIT = Message("is in {unit}, and the response is not.", "{remedy}")
 IDLE_TEST = Message(
     "depends on no free parameter.", "Remove the test, or free a parameter that it depends on."
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from grainfit.bulk_tests.abilities import CurveRange, curve_range
@@ -11,8 +11,9 @@ from grainfit.calibration import messages
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, unit_for_people, with_unit
-from grainfit.problem import CurveTarget, Problem
+from grainfit.problem import CurveTarget, Problem, Target
 from grainfit.solvers.base import Solver
+from grainfit.units import how_to_write, is_same_unit
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,9 @@ def obstacles(problem: Problem, solvers: Mapping[str, Solver]) -> Iterator[Obsta
         for obstacle in _of_solver(test, solver, problem):
             refused = True
             yield obstacle
-        if faults := _faults_of_curves(test, solver, problem, len(solvers)):
+        faults = _faults_of_units(test, solver, problem, len(solvers))
+        faults += _faults_of_curves(test, solver, problem, len(solvers))
+        if faults:
             yield Obstacle(test, InputError(faults))
     # The only test of a calibration has said what it does not depend on.
     if (len(solvers) > 1 or not refused) and (faults := _faults_of_parameters(problem, solvers)):
@@ -79,6 +82,42 @@ def _faults_of_targets(problem: Problem, solvers: Mapping[str, Solver]) -> list[
         for name in problem.responses
         if name not in known
     ]
+
+
+def _faults_of_units(test: str, solver: Solver, problem: Problem, tests: int) -> list[Fault]:
+    if solver.bulk_test is None:
+        return []
+    known = (*solver.bulk_test.responses, *solver.bulk_test.curves)
+    names = {response_name(test, name, tests): name for name in known}
+    measured: Sequence[Target | CurveTarget] = (*problem.targets, *problem.curves)
+    return [*unit_faults(solver, {names[m.name]: m for m in measured if m.name in names})]
+
+
+def unit_faults(solver: Solver, measured: Mapping[str, Target | CurveTarget]) -> Iterator[Fault]:
+    """Yield a fault for every unit that is not that of the response of a bulk test.
+
+    Parameters
+    ----------
+    solver : Solver
+        Of the test; what models of the user yield has no known unit.
+    measured : mapping of str to Target or CurveTarget
+        By name of the response in the test.
+    """
+    test = solver.bulk_test
+    for name, target in measured.items():
+        if isinstance(target, CurveTarget):
+            curve = test.curves.get(name) if test is not None else None
+            if curve is not None:
+                yield from _faults_of_unit(name, target.unit, curve.unit)
+                key = f"{name}.coordinate_unit"
+                yield from _faults_of_unit(key, target.coordinate_unit, curve.coordinate_unit)
+        elif test is not None and name in test.responses:
+            yield from _faults_of_unit(name, target.unit, test.responses[name].unit)
+
+
+def _faults_of_unit(key: str, unit: str, known: str) -> Iterator[Fault]:
+    if unit and not is_same_unit(unit, known):
+        yield messages.OTHER_UNIT.fault(key, unit=unit, remedy=how_to_write(known))
 
 
 def _faults_of_curves(test: str, solver: Solver, problem: Problem, tests: int) -> list[Fault]:
