@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
+from typing import Any
 
 from grainfit import ground_messages as messages
 from grainfit.errors import Fault
+from grainfit.one_line import shortened
 
 
 def as_number(value: object) -> float:
@@ -60,3 +62,29 @@ def whole_number_faults(given: Mapping[str, object]) -> list[Fault]:
         for name, value in given.items()
         if not isinstance(value, int) or isinstance(value, bool) or value < 1
     ]
+
+
+def list_faults(name: str, given: object, kind: type) -> list[Fault]:
+    """Return a fault of an argument unless it is a list of objects of a kind."""
+    if isinstance(given, Sequence) and all(isinstance(item, kind) for item in given):
+        return []
+    return [messages.NO_LIST_OF.fault(name, given=shortened(given), kind=kind.__name__)]
+
+
+def mapping_faults(name: str, given: object, example: str) -> list[Fault]:
+    """Return a fault of an argument unless it maps names to values."""
+    if isinstance(given, Mapping) and all(isinstance(key, str) for key in given):
+        return []
+    return [messages.NOT_BY_NAME.fault(name, given=shortened(given), example=example)]
+
+
+def kind_faults(name: str, given: object, kinds: Any, wanted: str) -> list[Fault]:
+    """Return a fault of an argument unless it is of one of some kinds, as `isinstance` has them."""
+    if isinstance(given, kinds):
+        return []
+    return [messages.NOT_ACCEPTED.fault(name, given=shortened(given), wanted=wanted)]
+
+
+def plain(value: Any) -> Any:
+    """Return a number of NumPy as one of Python, which can be written as JSON; others unchanged."""
+    return value.item() if getattr(value, "ndim", None) == 0 else value

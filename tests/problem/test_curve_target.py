@@ -62,6 +62,7 @@ def test_curve_target_survives_json(errors: dict[str, Any]) -> None:
         ({"uncertainty": None, "covariance": np.ones((3, 3))}, "not positive definite"),
         ({"uncertainty": None, "covariance": np.triu(np.ones((3, 3)))}, "not symmetric"),
         ({"uncertainty": None, "covariance": "abc"}, "has the shape"),
+        ({"uncertainty": None, "covariance": np.full((3, 3), np.nan)}, "is nan for"),
         ({"uncertainty": 1e-9, "systematic": 1.0}, "not positive definite"),
         ({"values": [1e-170, 2e-170, 3e-170]}, "stress.values: has 1e-170 at position 1"),
         ({"values": [1.0, 2.0, 3e170]}, "stress.values: has 3e[+]170 at position 3"),

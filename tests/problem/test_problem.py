@@ -17,6 +17,7 @@ from grainfit.materials import messages as of_materials
 from grainfit.materials.time_step import RayleighTimeStep
 from grainfit.problem import Parameter, Problem, Target, TestScope
 from grainfit.problem import messages as of_problem
+from grainfit.problem.quantities import shown
 
 
 @given(st.floats(0, 1))
@@ -266,3 +267,63 @@ def test_a_parameter_that_is_a_number_takes_no_unit(given: tuple[str, str]) -> N
         Parameter("particle_particle.sliding_friction", *given)
     assert "particle_particle.sliding_friction.min" in str(refused.value)
     assert Parameter("particle_particle.sliding_friction", "5 %", "0.9").minimum == 0.05
+
+
+@pytest.mark.parametrize(
+    ("given", "place"),
+    [
+        ({"scatters": [1]}, "scatters"),
+        ({"scatters": {"height": 3.0}}, r"scatters\.height: .*angle"),
+        ({"ratios": 3}, "ratios"),
+        ({"ratios": {"height": 2.0}}, r"ratios\.height: .*angle"),
+        ({"ratios": {"angle": math.nan}}, r"ratios\.angle"),
+        ({"expected": [1]}, "expected"),
+        ({"expected": {"particle.density": 3}}, r"expected\.particle\.density"),
+        ({"expected": {"particle.density": ("a", "b")}}, r"expected\.particle\.density"),
+    ],
+)
+def test_values_by_name_are_of_names_that_there_are(given: dict[str, Any], place: str) -> None:
+    with pytest.raises(InputError, match=place):
+        problem_with(**given)
+
+
+def test_a_part_of_the_targets_keeps_what_is_known_of_it() -> None:
+    targets = [Target("angle", 22.0), Target("height", 0.1)]
+    known = {"angle": 0.5, "height": 0.01}
+    parameters = [Parameter("friction", 0.1, 0.9)]
+    whole = Problem(parameters, targets, scatters=known, ratios={"height": 1.1})
+    part = whole.with_targets(targets[:1])
+    assert part.scatters == {"angle": 0.5}
+    assert part.ratios == {}
+    with pytest.raises(InputError, match="targets"):
+        whole.with_targets([3])  # type: ignore[list-item]
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, "0.5", None])
+def test_a_correlation_that_is_no_number_is_named(wrong: Any) -> None:
+    targets = [Target("angle", 22.0), Target("height", 0.1)]
+    with pytest.raises(InputError) as refused:
+        Problem(
+            [Parameter("friction", 0.1, 0.9)], targets, correlations=[("angle", "height", wrong)]
+        )
+    assert of_problem.BAD_COEFFICIENT.is_in(
+        str(refused.value), given=shown(wrong), first="angle", second="height"
+    )
+
+
+def test_a_covariance_that_is_not_finite_is_named() -> None:
+    targets = [Target("angle", 22.0), Target("height", 0.1)]
+    problem = Problem([Parameter("friction", 0.1, 0.9)], targets)
+    for wrong in (math.nan, math.inf):
+        with pytest.raises(InputError) as refused:
+            problem.with_covariance([[1.0, wrong], [wrong, 1.0]])
+        assert of_problem.NOT_FINITE_ENTRY.is_in(
+            str(refused.value), given=wrong, first="angle", second="height"
+        )
+
+
+def test_a_matrix_is_no_list_of_correlations() -> None:
+    targets = [Target(name, 1.0) for name in ("a", "b", "c")]
+    with pytest.raises(InputError) as refused:
+        Problem([Parameter("friction", 0.1, 0.9)], targets, correlations=np.eye(3))  # type: ignore[arg-type]
+    assert of_problem.NO_TRIPLES.is_in(str(refused.value))

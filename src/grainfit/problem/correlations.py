@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from grainfit.arrays import Array
 from grainfit.errors import Fault, InputError
 from grainfit.problem import messages
+from grainfit.problem.quantities import shown
 from grainfit.validation import as_number
 
 #: Two names and the coefficient between them.
@@ -48,7 +49,8 @@ def correlation_faults(
         elif pair in seen:
             faults.append(messages.SECOND_COEFFICIENT.fault(where, first=first, second=second))
         if not -1 < as_number(coefficient) < 1:
-            faults.append(messages.BAD_COEFFICIENT.fault(where, given=coefficient))
+            given = {"given": shown(coefficient), "first": first, "second": second}
+            faults.append(messages.BAD_COEFFICIENT.fault(where, **given))
         seen.add(pair)
     if faults or not correlations:
         return faults
@@ -79,15 +81,15 @@ def correlated_groups(matrix: Array) -> list[Array]:
     return [np.array(group) for group in sorted(groups)]
 
 
-def symmetric_matrix(given: ArrayLike, size: int, key: str, row: str) -> Array:
-    """Return a matrix of numbers, shape (size, size).
+def symmetric_matrix(given: ArrayLike, names: Sequence[str], key: str, row: str) -> Array:
+    """Return a matrix of numbers, shape (n, n).
 
     Parameters
     ----------
     given : array_like
         The matrix.
-    size : int
-        Number of rows and columns.
+    names : sequence of str
+        Of the n rows, for the messages.
     key : str
         Name of the argument, for the messages.
     row : str
@@ -96,17 +98,21 @@ def symmetric_matrix(given: ArrayLike, size: int, key: str, row: str) -> Array:
     Raises
     ------
     InputError
-        It has another shape, or is not symmetric.
+        It has another shape, is not symmetric, or has a number that is not finite.
     """
     try:
         matrix = np.asarray(given, dtype=float)
     except (TypeError, ValueError):
         matrix = np.empty(0)
-    wanted = (size, size)
+    wanted = (len(names), len(names))
     if matrix.shape != wanted:
         shape = matrix.shape
         raise InputError(messages.BAD_SHAPE.fault(key, shape=shape, wanted=wanted, row=row))
-    if not np.isfinite(matrix).all() or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
+    if len(bad := np.argwhere(~np.isfinite(matrix))):
+        i, j = bad[0]
+        entry = {"given": shown(matrix[i, j]), "first": names[i], "second": names[j]}
+        raise InputError(messages.NOT_FINITE_ENTRY.fault(key, **entry))
+    if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
         raise InputError(messages.NOT_SYMMETRIC.fault(key))
     return matrix
 
@@ -128,7 +134,7 @@ def split_covariance(
     InputError
         The matrix has another shape, is not symmetric, or is not positive definite.
     """
-    matrix = symmetric_matrix(covariance, len(names), "covariance", "target")
+    matrix = symmetric_matrix(covariance, names, "covariance", "target")
     deviations = np.sqrt(np.maximum(np.diagonal(matrix), 0.0))
     if not (deviations > 0).all():
         raise InputError(messages.BAD_VARIANCE.fault("covariance"))

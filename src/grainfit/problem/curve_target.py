@@ -243,10 +243,10 @@ class CurveTarget:
         return np.asarray(given, dtype=float)
 
     def _read_covariance(self, given: ArrayLike) -> None:
-        key, count = f"{self.name}.covariance", len(self.values)
+        key, points = f"{self.name}.covariance", range(1, len(self.values) + 1)
         if self.uncertainty is not None or np.any(np.asarray(self.systematic) != 0):
             self._refuse("covariance", messages.COVARIANCE_AND_UNCERTAINTIES)
-        matrix = symmetric_matrix(given, count, key, "point")
+        matrix = symmetric_matrix(given, [f"point {n}" for n in points], key, "point")
         object.__setattr__(self, "uncertainty", None)
         object.__setattr__(self, "systematic", 0.0)
         object.__setattr__(self, "covariance", tuple(map(tuple, matrix.tolist())))

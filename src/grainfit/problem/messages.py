@@ -110,13 +110,17 @@ NAMED_TWICE = Message("names {name!r} twice.", "Name two responses.")
 SECOND_COEFFICIENT = Message(
     "is a second coefficient of {first!r} and {second!r}.", "Keep one of them."
 )
-BAD_COEFFICIENT = Message("has the coefficient {given!r}.", "It must be above -1 and below 1.")
+BAD_COEFFICIENT = Message(
+    "has the coefficient {given} of {first!r} and {second!r}.",
+    "It must be a number above -1 and below 1.",
+)
 CONTRADICTION = Message(
     "contradict each other: their matrix has the eigenvalue {smallest:.2g}, and all must be "
     "above 0.",
     "Quantities that both go with a third one go together as well: correct a coefficient.",
 )
 BAD_SHAPE = Message("has the shape {shape}.", "Give {wanted}: a row for each {row}.")
+NOT_FINITE_ENTRY = Message("is {given} for {first!r} and {second!r}.", "Give finite numbers.")
 NOT_SYMMETRIC = Message("is not symmetric.", "Row i, column j is that of j, i.")
 BAD_VARIANCE = Message("has a variance that is not above 0.")
 NO_TRIPLES = Message("are {given}.", 'Give triples: [("first", "second", 0.8)].')
@@ -135,9 +139,10 @@ RELATIVE_OF_NO_TEST = Message(
 )
 GIVEN_TWICE = Message("is given as a {kind} more than once.", "Keep one of them.")
 EMPTY = Message("are empty.", "Give at least one {kind}.")
-NO_LIST_OF = Message("are {given}.", "Give a list of {kind} objects.")
 NO_RAYLEIGH = Message("is {given}.", "Give a RayleighTimeStep, or None.")
 BAD_RAYLEIGH_WEIGHT = Message("is {given}.", "It must be 0 or above, and at most {most:g}.")
+NOT_A_TARGET = Message("is no target.", "There are: {known}.")
+NO_ENDS = Message("is {given}.", "Give the lowest and the highest value, as numbers.")
 NOT_WITHIN = Message(
     "is {low:g} to {high:g}, which is no part of the interval of a free parameter.",
     "Give a part of its interval.",

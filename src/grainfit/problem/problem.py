@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grainfit.errors import Fault, InputError
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.one_line import as_call
+from grainfit.one_line import as_call, shortened
 from grainfit.problem import messages
 from grainfit.problem.correlations import (
     Correlation,
@@ -32,13 +32,14 @@ from grainfit.problem.test_scope import (
     repeated_names,
     scope_faults,
 )
-from grainfit.validation import as_number
+from grainfit.validation import as_number, list_faults, mapping_faults
 
-
-def _require_sequence(key: str, items: object, kind: type) -> None:
-    if isinstance(items, Sequence) and all(isinstance(item, kind) for item in items):
-        return
-    raise InputError(messages.NO_LIST_OF.fault(key, given=shown(items), kind=kind.__name__))
+#: Arguments that map names to values, with examples.
+_BY_NAME = {
+    "scatters": '{"angle": 0.5}',
+    "ratios": '{"angle": 1.1}',
+    "expected": '{"friction": (0.2, 0.4)}',
+}
 
 
 @dataclass(frozen=True)
@@ -111,8 +112,10 @@ class Problem:
             "relatives": Relative,
         }
         for key, kind in kinds.items():
-            _require_sequence(key, getattr(self, key), kind)
+            InputError.raise_for(list_faults(key, getattr(self, key), kind))
             object.__setattr__(self, key, tuple(getattr(self, key)))
+        for key, example in _BY_NAME.items():
+            InputError.raise_for(mapping_faults(key, getattr(self, key), example))
         InputError.raise_for([*self._faults()] or self._read_correlations())
         make_plain(self, "rayleigh_weight")
 
@@ -126,10 +129,8 @@ class Problem:
             given = shown(self.rayleigh_weight)
             key = "rayleigh_weight"
             yield messages.BAD_RAYLEIGH_WEIGHT.fault(key, given=given, most=LARGEST_WEIGHT)
-        for name, scatter in self.scatters.items():
-            if not 0 < as_number(scatter) < math.inf:
-                key = f"scatters.{name}"
-                yield messages.NOT_ABOVE_ZERO.fault(key, given=shown(scatter))
+        yield from self._faults_by_target("scatters", self.scatters)
+        yield from self._faults_by_target("ratios", self.ratios)
         yield from self._faults_of_expected()
         yield from scope_faults(self.tests, parameters)
         yield from relative_faults(self.relatives, self.tests)
@@ -138,19 +139,35 @@ class Problem:
         elif self.rayleigh is not None:
             yield messages.NO_RAYLEIGH.fault("rayleigh", given=shown(self.rayleigh))
 
+    def _faults_by_target(self, key: str, given: Mapping[str, float]) -> Iterator[Fault]:
+        names = [target.name for target in self.targets]
+        for name, value in given.items():
+            if name not in names:
+                known = ", ".join(names) or "none"
+                yield messages.NOT_A_TARGET.fault(f"{key}.{name}", known=known)
+            elif not 0 < as_number(value) < math.inf:
+                yield messages.NOT_ABOVE_ZERO.fault(f"{key}.{name}", given=shown(value))
+
     def _faults_of_expected(self) -> Iterator[Fault]:
-        for name, (low, high) in self.expected.items():
+        for name, given in self.expected.items():
+            ends = tuple(map(as_number, given)) if isinstance(given, Iterable) else ()
             inside = self.intervals.get(name, (math.inf, -math.inf))
-            if not inside[0] <= low < high <= inside[1]:
-                yield messages.NOT_WITHIN.fault(f"expected.{name}", low=low, high=high)
+            if len(ends) != 2 or not all(map(math.isfinite, ends)):
+                yield messages.NO_ENDS.fault(f"expected.{name}", given=shown(given))
+            elif not inside[0] <= ends[0] < ends[1] <= inside[1]:
+                yield messages.NOT_WITHIN.fault(f"expected.{name}", low=ends[0], high=ends[1])
 
     def _read_correlations(self) -> list[Fault]:
         given = self.correlations
         try:
-            pairs = tuple((str(a), str(b), as_number(value)) for a, b, value in given)
+            pairs = [(first, second, value) for first, second, value in given]
+            are_named = all(isinstance(name, str) for *names, _ in pairs for name in names)
         except (TypeError, ValueError):
-            return [messages.NO_TRIPLES.fault("correlations", given=shown(given))]
-        object.__setattr__(self, "correlations", pairs)
+            are_named = False
+        if not are_named:
+            return [messages.NO_TRIPLES.fault("correlations", given=shortened(given))]
+        plain = tuple((str(a), str(b), as_number(value)) for a, b, value in pairs)
+        object.__setattr__(self, "correlations", plain)
         return correlation_faults([target.name for target in self.targets], pairs)
 
     def __repr__(self) -> str:
@@ -238,9 +255,17 @@ class Problem:
         self, targets: Sequence[Target], curves: Sequence[CurveTarget] = ()
     ) -> Problem:
         """Return the problem with some targets and curves, and the correlations among these."""
+        InputError.raise_for(list_faults("targets", targets, Target))
         names = {target.name for target in targets}
         kept = [pair for pair in self.correlations if {pair[0], pair[1]} <= names]
-        return replace(self, targets=tuple(targets), correlations=tuple(kept), curves=tuple(curves))
+        return replace(
+            self,
+            targets=tuple(targets),
+            correlations=tuple(kept),
+            curves=tuple(curves),
+            scatters={name: value for name, value in self.scatters.items() if name in names},
+            ratios={name: value for name, value in self.ratios.items() if name in names},
+        )
 
     @property
     def dimension(self) -> int:

@@ -380,17 +380,20 @@ def _holds_its_answer(result: Result, name: str) -> bool:
 def _problem(
     definition: Mapping[str, Any], about: Mapping[str, Any], evaluations: Sequence[Evaluation]
 ) -> Problem:
+    targets = [Target(**data) for data in definition["targets"]]
+    names = {target.name for target in targets}
     # Older versions kept it beside the definition.
     rayleigh = definition.get("rayleigh") or about.get("rayleigh")
     problem = Problem(
         [Parameter(**data) for data in definition["parameters"]],
-        [Target(**data) for data in definition["targets"]],
+        targets,
         RayleighTimeStep(**rayleigh) if rayleigh else None,
         float(definition.get("rayleigh_weight") or about.get("rayleigh_weight", 0.0)),
         correlations=definition.get("correlations", ()),
         tests=[TestScope(**data) for data in about.get("tests", [])],
         curves=[CurveTarget.from_json(data) for data in definition.get("curves", [])],
-        scatters=about.get("scatters", {}),
+        # Older versions took scatters of anything.
+        scatters={n: value for n, value in about.get("scatters", {}).items() if n in names},
         ratios=definition.get("ratios", {}),
     )
     # A strategy may move a bound that is in the way.
