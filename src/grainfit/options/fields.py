@@ -11,6 +11,7 @@ from grainfit.errors import InputError
 from grainfit.options.kinds import Kind
 from grainfit.options.places import Findings, Place
 from grainfit.options.tables import Key
+from grainfit.validation import plain
 
 #: A number in SI units (degrees for angles), or a quantity with its unit, such as ``"10 mm"``.
 Amount = float | str
@@ -135,8 +136,7 @@ def read_options(keys: Iterable[Key], given: Mapping[str, Any]) -> dict[str, Any
 def _read(key: Key, value: Any, findings: Findings) -> Any:
     if value is None:
         return None
-    # Numbers of NumPy are numbers, too.
-    value = value.item() if hasattr(value, "item") else value
+    value = plain(value)
     read = key.kind.read(value, Place(findings, (key.name,)))
     # 1 and 1.0 are written differently into the identity of a run: keep what was given.
-    return value if read == value else read
+    return value if read is not None and read == value else read

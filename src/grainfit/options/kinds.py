@@ -165,7 +165,8 @@ class Whole(Kind):
         if not isinstance(value, int) or isinstance(value, bool):
             note_wrong_kind(value, place, "a whole number", f"For example {max(self.lowest, 4)}.")
         elif not self.lowest <= value <= self.highest:
-            place.fault(messages.COUNT_OUT_OF_LIMITS, given=show(value), limits=self.limits())
+            limits = self.limits() if value < self.lowest else self._both_limits()
+            place.fault(messages.COUNT_OUT_OF_LIMITS, given=show(value), limits=limits)
         else:
             return value
         return None
@@ -174,6 +175,9 @@ class Whole(Kind):
         """Return the possible values in words."""
         if self.highest == _LARGEST_WHOLE:
             return f"at least {self.lowest}"
+        return self._both_limits()
+
+    def _both_limits(self) -> str:
         return f"from {self.lowest} to {self.highest}"
 
     def schema(self) -> Schema:

@@ -6,6 +6,7 @@ import re
 import reprlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from datetime import date, time
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -158,12 +159,14 @@ def show(value: object) -> str:
 
 
 def kind_of(value: object) -> str:
-    """Return the kind of a TOML value in words."""
+    """Return the kind of a value of a file, or of an argument, in words."""
     words: tuple[tuple[type | tuple[type, ...], str], ...] = (
         (bool, "a truth value"),
         ((int, float), "a number"),
         (str, "a text"),
         (list, "a list"),
         (dict, "a table"),
+        ((date, time), "a date or time"),
     )
-    return next((text for types, text in words if isinstance(value, types)), "a date or time")
+    other = "nothing" if value is None else f"an object of the type {type(value).__name__}"
+    return next((text for types, text in words if isinstance(value, types)), other)
