@@ -397,11 +397,38 @@ def test_single_failures_are_counted_and_cost_these_runs_alone(simulate: Any) ->
         ({"strategy": gf.Sequential}, "strategy"),
         ({"keep": "some"}, "keep"),
         ({"simulate": 42}, "simulate"),
+        ({"problem": "sand.toml"}, r"problem: .*load"),
+        ({"simulate": {3: PythonCallable(drum)}}, "simulate"),
+        ({"seed": 10**30}, "0 to 2147483647"),
+        ({"workers": None}, "workers"),
+        ({"name": None}, "name"),
+        ({"workdir": 3}, "workdir"),
+        ({"runs_from": 3}, "runs_from"),
+        ({"runs_from": [3]}, "runs_from"),
+        ({"relatives": [1]}, "relatives"),
+        ({"twins": 3}, "twins"),
+        ({"executor": 3}, "executor"),
+        ({"provenance": 3}, "provenance"),
+        ({"on_progress": 3}, "on_progress"),
+        ({"timeouts": 5}, "timeouts"),
+        ({"timeouts": "10 s"}, "timeouts"),
+        ({"timeouts": {"simulate": None}}, r"timeouts\.simulate"),
+        ({"timeouts": {"simulate": "10"}}, r"timeouts\.simulate"),
+        ({"holdouts": gf.Holdout("other", drum)}, "holdouts"),
+        ({"holdouts": [3]}, "holdouts"),
+        # An iterator would be empty when the hold-outs are predicted.
+        ({"holdouts": iter([gf.Holdout("other", drum)])}, "holdouts"),
     ],
 )
 def test_arguments_that_cannot_be_used_are_named(options: dict[str, object], word: str) -> None:
     with pytest.raises(gf.InputError, match=word):
-        gf.calibrate(problem(), **({"simulate": drum} | options))  # type: ignore[arg-type]
+        gf.calibrate(**({"problem": problem(), "simulate": drum} | options))  # type: ignore[arg-type]
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    counts = {"seed": np.int64(3), "workers": np.int64(1), "max_runs": np.int64(40)}
+    result = gf.calibrate(problem(), drum, **counts)  # type: ignore[arg-type]
+    assert result.runs.total <= 40
 
 
 FREE = "particle_particle.rolling_friction"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -458,3 +459,28 @@ def test_what_ifs_and_other_files_leave_the_result_of_a_calibration(
     assert gf.predict(path)["drum"].registration.changed
     path.write_text(original)
     assert not gf.predict(path)["drum"].registration.changed
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"name": 3},
+        {"solver": "model.py:drum"},
+        {"targets": None},
+        {"curves": [3]},
+        {"repeats": "2"},
+        {"repeats": 0},
+        {"timeout": "10"},
+        {"timeout": -1},
+    ],
+)
+def test_a_hold_out_that_cannot_be_simulated_is_refused_before_the_search(
+    wrong: dict[str, Any],
+) -> None:
+    with pytest.raises(gf.InputError, match="holdout"):
+        gf.Holdout(**{"name": "drum", "solver": Drum(), **wrong})
+
+
+def test_the_time_out_of_a_hold_out_may_have_a_unit() -> None:
+    assert gf.Holdout("drum", Drum(), timeout="2 min").timeout == 120
+    assert gf.Holdout("drum", Drum(), timeout=math.inf).timeout == math.inf

@@ -56,6 +56,7 @@ class Timed(gf.Solver):
     [
         ({}, 60.0),
         ({"timeouts": {"timed": 5.0}}, 5.0),
+        ({"timeouts": {"timed": "2 min"}}, 120.0),
         ({"timeouts": {"timed": math.inf}}, None),
     ],
 )

@@ -8,8 +8,9 @@ from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
+from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from grainfit.calibration import messages
 from grainfit.calibration.holdout import Holdout, require_holdouts
@@ -22,7 +23,7 @@ from grainfit.calibration.provenance import Provenance
 from grainfit.calibration.readiness import require_ready
 from grainfit.calibration.runs_to_come import largest_scatter, with_recorded_scatters
 from grainfit.calibration.scopes import relatives_of, repeats_of, restricted, with_scopes
-from grainfit.calibration.timeouts import default_timeouts
+from grainfit.calibration.timeouts import default_timeouts, read_timeout
 from grainfit.calibration.twins import Twins
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold
@@ -43,8 +44,33 @@ from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.base import Strategy
 from grainfit.strategies.budget import start_search
 from grainfit.strategies.registry import DEFAULT_STRATEGY, as_strategy
-from grainfit.validation import whole_number_faults
+from grainfit.validation import (
+    kind_faults,
+    mapping_faults,
+    plain,
+    whole_number_faults,
+)
 from grainfit.verdict.options import VERDICT
+
+
+@runtime_checkable
+class _TakesTasks(Protocol):
+    """An executor, also one that does not inherit from that of `concurrent.futures`."""
+
+    def submit(self, task: Callable[..., Any], /, *args: Any) -> Any:
+        """Start a task."""
+
+
+#: Kinds of arguments, and what to give.
+_KINDS: Mapping[str, tuple[Any, str]] = {
+    "problem": (Problem, "a Problem; a file is calibrated by grainfit.load(file).calibrate()"),
+    "name": (str, "a text"),
+    "workdir": (str | PathLike | None, "the path of a folder"),
+    "twins": (Twins | None, "a Twins object"),
+    "executor": (_TakesTasks | None, "an Executor of concurrent.futures"),
+    "provenance": (Provenance | None, "a Provenance object"),
+    "on_progress": (Callable | None, "a function of a Progress"),
+}
 
 Simulate = (
     Callable[[dict[str, float], int], Mapping[str, Any]]
@@ -65,7 +91,7 @@ def calibrate(
     workdir: str | Path | None = None,
     name: str = "",
     verification_runs: int | None = None,
-    timeouts: Mapping[str, float] | None = None,
+    timeouts: Mapping[str, float | str] | None = None,
     repeats: int | Mapping[str, int] = 1,
     relatives: Mapping[str, Solver] | None = None,
     twins: Twins | None = None,
@@ -107,9 +133,10 @@ def calibrate(
         Display name of the calibration.
     verification_runs : int, optional
         Fewest runs with fresh seeds at the answer, at least 2; by default 3.
-    timeouts : mapping of str to float, optional
-        Longest wall time of one run by name of the test, s; ``math.inf`` for none. By default
-        that of the solver: for a bulk test 10 minutes plus 100 times the estimated time of a run.
+    timeouts : mapping of str to float or str, optional
+        Longest wall time of one run by name of the test, s, or a quantity such as ``"10 min"``;
+        ``math.inf`` for none. By default that of the solver: for a bulk test 10 minutes plus 100
+        times the estimated time of a run.
     repeats : int or mapping of str to int
         Runs with different seeds whose mean is one evaluation, of every test or by name of the
         test; 1 by default.
@@ -171,14 +198,19 @@ def calibrate(
     >>> result.status, round(result.parameters["friction"], 2)
     ('calibrated', 0.5)
     """
-    solvers = _solvers(simulate)
-    CalibrationOptions(
-        max_runs=max_runs,
-        seed=seed,
-        workers=workers,
-        verification_runs=verification_runs,
-        keep=keep,
+    _require_kinds(
+        problem=problem,
+        name=name,
+        workdir=workdir,
+        twins=twins,
+        executor=executor,
+        provenance=provenance,
+        on_progress=on_progress,
     )
+    solvers = _solvers(simulate)
+    max_runs, verification_runs = plain(max_runs), plain(verification_runs)
+    seed, workers = plain(seed), plain(workers)
+    _require_options(max_runs, verification_runs, seed=seed, workers=workers, keep=keep)
     chosen = as_strategy(strategy)
     problem = problem if twins is None else twins.problem(problem)
     given_repeats = _repeats(repeats, solvers)
@@ -186,12 +218,10 @@ def calibrate(
     means = repeats_of(problem, solvers, given_repeats)
     problem = with_recorded_scatters(problem, solvers, means)
     solvers = restricted(problem, solvers)
-    cheaper = relatives_of(problem, relatives or {})
-    _check_timeouts(timeouts or {}, solvers)
-    require_ready(problem, solvers)
-    require_holdouts(problem, solvers, holdouts)
-    for solver in cheaper.values():
-        solver.check()
+    cheaper = relatives_of(problem, {} if relatives is None else _by_test("relatives", relatives))
+    given_timeouts = {} if timeouts is None else _timeouts(timeouts, solvers)
+    sources = _sources(runs_from)
+    _require_ready(problem, solvers, holdouts, cheaper)
     verification_runs = verification_runs or VERDICT.fresh_seeds
     search = start_search(
         chosen,
@@ -228,7 +258,7 @@ def calibrate(
                 live_file=stack.enter_context(LiveFile(folder)),
                 earlier_result=_earlier_result(folder / RESULT_NAME),
             )
-        for source in [runs_from] if isinstance(runs_from, str | Path) else runs_from:
+        for source in sources:
             with open_source(source) as other:
                 take_runs(other, problem, {**solvers, **cheaper}, runs)
                 if near_runs and chosen.uses_relatives:
@@ -241,11 +271,10 @@ def calibrate(
                 shared.patiently(lambda other: take_near_runs(other, problem, solvers, runs, seed))
         if retry_failed:
             _forget_failed(runs, shared)
-        limits = default_timeouts(problem, {**solvers, **cheaper}) | dict(timeouts or {})
-        limits = {test: seconds for test, seconds in limits.items() if seconds < math.inf}
+        limits = default_timeouts(problem, {**solvers, **cheaper}) | given_timeouts
         making = CampaignOptions(
             workers,
-            limits,
+            {test: seconds for test, seconds in limits.items() if seconds < math.inf},
             executor,
             keep,
             needed=needed_responses(problem, solvers),
@@ -260,6 +289,33 @@ def calibrate(
         if loop.earlier_stays:
             return result
         return after.predicted(result, loop.material, partial(_keep, folder=folder))
+
+
+def _require_kinds(**given: object) -> None:
+    """Raise `InputError` for arguments of other kinds than `_KINDS`."""
+    InputError.raise_for(
+        fault for key, value in given.items() for fault in kind_faults(key, value, *_KINDS[key])
+    )
+
+
+def _require_options(max_runs: int | None, verification_runs: int | None, **needed: Any) -> None:
+    """Raise `InputError` for options with values that are not accepted, or None in place of one."""
+    InputError.raise_for(
+        messages.LEFT_OUT.fault(key) for key, value in needed.items() if value is None
+    )
+    CalibrationOptions(max_runs=max_runs, verification_runs=verification_runs, **needed)
+
+
+def _require_ready(
+    problem: Problem,
+    solvers: Mapping[str, Solver],
+    holdouts: Sequence[Holdout],
+    cheaper: Mapping[str, Solver],
+) -> None:
+    require_ready(problem, solvers)
+    require_holdouts(problem, solvers, holdouts)
+    for solver in cheaper.values():
+        solver.check()
 
 
 @contextmanager
@@ -308,12 +364,19 @@ def _solvers(simulate: Simulate) -> dict[str, Solver]:
     if isinstance(simulate, Solver):
         return {simulate.name: simulate}
     if isinstance(simulate, Mapping):
-        if not simulate or not all(isinstance(s, Solver) for s in simulate.values()):
-            raise InputError(messages.NO_SOLVERS_BY_TEST.fault("simulate"))
-        return dict(simulate)
+        InputError.raise_for([] if simulate else [messages.NO_SOLVERS_BY_TEST.fault("simulate")])
+        return _by_test("simulate", simulate)
     if callable(simulate):
         return {"simulate": PythonCallable(simulate)}
     raise InputError(messages.NO_SOLVER.fault("simulate", given=simulate))
+
+
+def _by_test(key: str, given: Mapping[str, Solver]) -> dict[str, Solver]:
+    """Return solvers by name of the test."""
+    is_mapping = isinstance(given, Mapping) and all(isinstance(name, str) for name in given)
+    if not is_mapping or not all(isinstance(solver, Solver) for solver in given.values()):
+        raise InputError(messages.NO_SOLVERS_BY_TEST.fault(key))
+    return dict(given)
 
 
 def _repeats(given: int | Mapping[str, int], solvers: Mapping[str, Solver]) -> dict[str, int]:
@@ -336,11 +399,24 @@ def _faults_of_names(key: str, tests: Iterable[str], solvers: Mapping[str, Solve
     ]
 
 
-def _check_timeouts(timeouts: Mapping[str, float], solvers: Mapping[str, Solver]) -> None:
-    faults = _faults_of_names("timeouts", timeouts, solvers)
-    faults += [
-        messages.NO_TIMEOUT.fault(f"timeouts.{test}", seconds=seconds)
-        for test, seconds in timeouts.items()
-        if not seconds > 0
-    ]
-    InputError.raise_for(faults)
+def _timeouts(given: Mapping[str, float | str], solvers: Mapping[str, Solver]) -> dict[str, float]:
+    """Return the given time-outs by name of the test, s."""
+    InputError.raise_for(mapping_faults("timeouts", given, f'{{"{next(iter(solvers))}": 600}}'))
+    read = {test: read_timeout(f"timeouts.{test}", value) for test, value in given.items()}
+    faults = _faults_of_names("timeouts", given, solvers)
+    InputError.raise_for([*faults, *(fault for _, found in read.values() for fault in found)])
+    return {test: seconds for test, (seconds, _) in read.items()}
+
+
+def _sources(runs_from: str | Path | Sequence[str | Path]) -> list[str | Path]:
+    """Return the work folders and addresses of stores whose runs are reused."""
+    given: Any = runs_from
+    is_one = isinstance(given, str | Path) or not isinstance(given, Iterable)
+    sources = [given] if is_one else list(given)
+    wanted = "a work folder, the address of a store, or a list of these"
+    InputError.raise_for(
+        fault
+        for source in sources
+        for fault in kind_faults("runs_from", source, str | PathLike, wanted)
+    )
+    return sources

@@ -19,17 +19,20 @@ from grainfit.calibration import messages
 from grainfit.calibration.readiness import unit_faults
 from grainfit.calibration.registrations import Draws, HoldoutFile
 from grainfit.calibration.scopes import restricted_to_used
+from grainfit.calibration.timeouts import read_timeout
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.one_line import OneLine
 from grainfit.problem import CurveTarget, Problem, Target
+from grainfit.problem.messages import NO_TEST_NAME
 from grainfit.result import HoldoutResult, Registration
 from grainfit.result.holdout import Basis
 from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.seeds import holdout_seed
+from grainfit.validation import list_faults, whole_number_faults
 from grainfit.verdict.options import HOLDOUT
 
 if TYPE_CHECKING:
@@ -56,8 +59,9 @@ class Holdout(OneLine):
         responses are predicted and compared with nothing.
     repeats : int
         Runs with different seeds whose mean is one evaluation.
-    timeout : float, optional
-        Longest wall time of a run, s; by default that of the solver.
+    timeout : float or str, optional
+        Longest wall time of a run, s, or a quantity such as ``"10 min"``; by default that of the
+        solver.
     curves : sequence of CurveTarget
         Measured curves, by the names of the responses.
     """
@@ -68,6 +72,33 @@ class Holdout(OneLine):
     repeats: int = 1
     timeout: float | None = None
     curves: Sequence[CurveTarget] = ()
+
+    if TYPE_CHECKING:
+        # Quantities are read: attributes are numbers.
+        def __init__(
+            self,
+            name: str,
+            solver: Solver | Callable[..., Mapping[str, float]],
+            targets: Sequence[Target] = (),
+            repeats: int = 1,
+            timeout: float | str | None = None,
+            curves: Sequence[CurveTarget] = (),
+        ) -> None: ...
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise InputError(NO_TEST_NAME.fault("holdout", given=self.name))
+        key = f"holdout {self.name}"
+        faults = list_faults(f"{key}, targets", self.targets, Target)
+        faults += list_faults(f"{key}, curves", self.curves, CurveTarget)
+        faults += whole_number_faults({f"{key}, repeats": self.repeats})
+        if not isinstance(self.solver, Solver) and not callable(self.solver):
+            faults.append(messages.NO_SOLVER.fault(f"{key}, solver", given=self.solver))
+        if self.timeout is not None:
+            seconds, found = read_timeout(f"{key}, timeout", self.timeout)
+            object.__setattr__(self, "timeout", seconds)
+            faults += found
+        InputError.raise_for(faults)
 
     @property
     def model(self) -> Solver:
@@ -184,6 +215,7 @@ def require_holdouts(
     InputError, SolverNotFoundError
         The first reason.
     """
+    InputError.raise_for(list_faults("holdouts", holdouts, Holdout))
     taken = set(solvers)
     for holdout in holdouts:
         key = f"holdout {holdout.name}"

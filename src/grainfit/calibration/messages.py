@@ -6,7 +6,7 @@ from grainfit.messages import Message
 NO_SOLVER = Message("is {given!r}.", "Give a function, a solver, or solvers by test.")
 NO_SOLVERS_BY_TEST = Message("must map names of tests to solvers.")
 NO_TEST = Message("is no test.", "There are: {tests}.")
-NO_TIMEOUT = Message("is {seconds} s.", "It must be above 0.")
+LEFT_OUT = Message("is None.", "Leave it out for the default.")
 
 # Tests, targets and parameters that do not fit together.
 TARGET_NOBODY_YIELDS = Message(
