@@ -1,6 +1,7 @@
 """A chosen contact model acts in the runs of every solver, and only there."""
 
 import re
+from typing import Any
 
 import pytest
 
@@ -13,6 +14,7 @@ from grainfit.scenes.run_output import RunOutput
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
+from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
 from grainfit.which_test.available import available_tests
@@ -85,3 +87,32 @@ def test_candidates_for_further_tests_have_the_chosen_model() -> None:
 
     run = found.solvers["packing"].definition({free.name: 0.5}, 1)
     assert run.model["contact_models"] == ["epsd2"]
+
+
+@pytest.mark.parametrize("program", DEM_PROGRAMS.values())
+@pytest.mark.parametrize(
+    ("wrong", "name"),
+    [
+        ({"test": "heap"}, "test"),
+        ({"test": Heap}, "test"),
+        ({"material": None}, "material"),
+        ({"material": [1]}, "material"),
+        ({"material": {3: 4.0}}, "material"),
+        ({"material": {"particle.density": None}}, r"particle\.density"),
+        ({"material": {"particle.density": True}}, r"particle\.density"),
+        ({"material": {"particle.density": 10**400}}, r"particle\.density"),
+        ({"ranks": "2"}, "ranks"),
+        ({"ranks": 1.5}, "ranks"),
+        ({"executable": 3}, "executable"),
+        ({"contact_models": "epsd2"}, r"contact_models: .*list"),
+        ({"contact_models": None}, "contact_models"),
+        ({"walls": ["plate"]}, "walls"),
+        ({"walls": {"plate": 3}}, "walls"),
+    ],
+)
+def test_arguments_of_a_wrong_kind_are_named(
+    program: type[DeckSolver], wrong: dict[str, Any], name: str
+) -> None:
+    heap = Heap(diameter="10 mm")
+    with pytest.raises(InputError, match=name):
+        program(**{"test": heap, "material": {}, **wrong})

@@ -13,6 +13,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from numbers import Real
+from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -54,9 +56,11 @@ from grainfit.errors import (
 from grainfit.evaluation import Measured
 from grainfit.files import log_tail, text_of
 from grainfit.formatting import in_a_row
+from grainfit.ground_messages import NOT_ACCEPTED
 from grainfit.materials.particle_shape import ASPECT_RATIO, aspect_ratio_faults
 from grainfit.materials.walls import plain_name, wall_of
 from grainfit.messages import Message
+from grainfit.one_line import shortened
 from grainfit.scenes.film import filmed
 from grainfit.scenes.run_output import SNAPSHOTS, RunOutput
 from grainfit.scenes.scene import Scene
@@ -77,6 +81,7 @@ from grainfit.solvers.dem.sphere_types import is_one_size
 from grainfit.solvers.process.process import LOG_NAME, recorded_faults, run_process
 from grainfit.solvers.run_cost import RunCost
 from grainfit.units import UnitError, to_unit
+from grainfit.validation import as_number, kind_faults, mapping_faults, plain, whole_number_faults
 
 _HELP_SECONDS = 60.0
 #: A run that takes this much longer than estimated hangs, even on a slow and busy machine, s.
@@ -141,12 +146,15 @@ class DeckSolver(Solver):
         contact_models: Iterable[str] = (),
         walls: Mapping[str, str] | None = None,
     ) -> None:
+        ranks = plain(ranks)
+        walls = {} if walls is None else walls
+        InputError.raise_for(_faults_of_kinds(test, material, ranks, executable, walls))
+        named = _names(contact_models)
         if (refusal := self._ranks_refusal(test, ranks)) is not None:
             raise InputError(refusal.fault("ranks", ranks=ranks))
         self.test = test
-        self._parts = PartsOnWalls(test, walls or {})
+        self._parts = PartsOnWalls(test, walls)
         self.material = _in_si(material)
-        named = tuple(contact_models)
         self.contact_models = non_default_models(named)
         shape = test.sizes.shape
         if shape is not None and shape.aspect_ratio is not None:
@@ -623,6 +631,30 @@ def program_help(program: str, install: str, option: str = "-h") -> str:
     return done.stdout
 
 
+def _faults_of_kinds(
+    test: object, material: object, ranks: object, executable: object, walls: object
+) -> list[Fault]:
+    """Return a fault for every argument that is of a kind that a solver cannot take."""
+    names = walls.values() if isinstance(walls, Mapping) else ()
+    return [
+        *kind_faults("test", test, BulkTest, 'a bulk test, such as Heap(diameter="10 mm")'),
+        *mapping_faults("material", material, '{"particle.density": 2500}'),
+        *whole_number_faults({"ranks": ranks}),
+        *kind_faults("executable", executable, str | PathLike | None, "the name of a program"),
+        *mapping_faults("walls", walls, '{"plate": "steel"}'),
+        *(fault for name in names for fault in kind_faults("walls", name, str, "names of walls")),
+    ]
+
+
+def _names(contact_models: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of contact models."""
+    if isinstance(contact_models, Iterable) and not isinstance(contact_models, str):
+        return tuple(contact_models)
+    wanted = 'a list of names, such as ["epsd2"]'
+    given = shortened(contact_models)
+    raise InputError(NOT_ACCEPTED.fault("contact_models", given=given, wanted=wanted))
+
+
 def _in_si(material: Mapping[str, float | str]) -> dict[str, float]:
     """Read quantities such as ``"0.36 MPa"`` among the values of a material."""
     values: dict[str, float] = {}
@@ -632,6 +664,10 @@ def _in_si(material: Mapping[str, float | str]) -> dict[str, float]:
             values[name] = to_unit(value, _unit(name)) if isinstance(value, str) else value
         except UnitError as error:
             faults.append(Fault(name, error.message, error.remedy))
+            continue
+        if isinstance(value, bool) or not isinstance(value, Real | str):
+            wanted = "a number, or a quantity with its unit"
+            faults.append(NOT_ACCEPTED.fault(name, given=shortened(value), wanted=wanted))
     InputError.raise_for(faults)
     return values
 
@@ -647,10 +683,10 @@ def _impossible(material: Mapping[str, float]) -> Iterator[Fault]:
         if known is None:
             yield messages.NO_PARAMETER.fault(name, known=", ".join(MATERIAL_PARAMETERS))
             continue
-        if not (math.isfinite(value) and known.lowest <= value <= known.highest):
+        if not (math.isfinite(as_number(value)) and known.lowest <= value <= known.highest):
             yield messages.OUTSIDE_LIMITS.fault(
                 name,
-                value=value,
+                value=as_number(value),
                 lowest=known.lowest,
                 highest=known.highest,
                 unit=f" {known.unit}" if known.unit else "",
