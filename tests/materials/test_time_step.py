@@ -2,13 +2,16 @@
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from grainfit.errors import InputError
 from grainfit.materials import messages
 from grainfit.materials.particle_shape import ASPECT_RATIO, FAMILIES, ParticleShape
 from grainfit.materials.time_step import RayleighTimeStep, rayleigh_time_step
+from grainfit.testing.materials import GLASS_BEADS
 
 
 def test_value_of_the_papers_glass_beads() -> None:
@@ -116,3 +119,22 @@ def test_a_shape_without_a_free_aspect_ratio_and_an_unknown_one_are_refused() ->
     assert (fault.key, fault.message) == (ASPECT_RATIO, "is not free, so it needs no shape.")
     (fault,) = RayleighTimeStep(0.005, BEADS, "egg").faults({ASPECT_RATIO: (1.0, 2.0)})
     assert messages.NO_FAMILY.is_in(fault.message, family="egg")
+
+
+def test_arguments_with_units_are_read_and_impossible_ones_named() -> None:
+    known = {"radius": 0.005, "density": 2100.0, "youngs_modulus": 3.6e5, "poissons_ratio": 0.22}
+    units = {"radius": "5 mm", "density": "2.1 g/cm^3", "youngs_modulus": "0.36 MPa"}
+    assert rayleigh_time_step(**{**known, **units}) == rayleigh_time_step(**known)
+    for name in known:
+        for wrong in ("much", "5 s", None, [1.0], np.ones(2), math.nan, -1.0):
+            with pytest.raises(InputError, match=name):
+                rayleigh_time_step(**{**known, name: wrong})  # type: ignore[arg-type]
+
+
+def test_a_time_step_of_wrong_values_names_them() -> None:
+    with pytest.raises(InputError, match="fixed"):
+        RayleighTimeStep(0.005, [1])  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="radius"):
+        RayleighTimeStep("5 mm", GLASS_BEADS)({})  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=ASPECT_RATIO):
+        RayleighTimeStep(0.005, GLASS_BEADS, "grain")({})

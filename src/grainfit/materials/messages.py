@@ -111,6 +111,7 @@ NEEDS_NO_SHAPE = Message(
     "is not free, so it needs no shape.",
     "Leave shape out: the radius is that of the smallest sphere.",
 )
+NO_VALUE = Message("is None.", "Give a number, or a quantity with its unit.")
 NO_TIME_STEP = Message("is {shown}.", "The Rayleigh time step needs numbers {wanted}.")
 ANGLE_WITHOUT_UNCERTAINTY = Message("is 0.", "Leave it out, and the value is fixed.")
 NO_ANGLE = Message("is {given}.", "An angle must be at least 0, and below {steepest:g} degrees.")

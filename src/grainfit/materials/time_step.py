@@ -13,20 +13,34 @@ from grainfit.materials import messages
 from grainfit.materials.equations import Equation
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 from grainfit.one_line import OneLine
+from grainfit.options.fields import read_options
+from grainfit.options.kinds import Quantity
+from grainfit.options.tables import Key
+from grainfit.validation import mapping_faults
+
+_ARGUMENTS = (
+    Key("radius", Quantity("m", above_zero=True), "Of the smallest particle."),
+    Key("density", Quantity("kg/m^3", above_zero=True), "Of the solid."),
+    Key("youngs_modulus", Quantity("Pa", above_zero=True), "Of the solid."),
+    Key("poissons_ratio", Quantity("", 0.0, 0.5), "Of the solid."),
+)
 
 
 def rayleigh_time_step(
-    radius: float, density: float, youngs_modulus: float, poissons_ratio: float
+    radius: float | str,
+    density: float | str,
+    youngs_modulus: float | str,
+    poissons_ratio: float,
 ) -> float:
     """Time in which a Rayleigh wave crosses the smallest particle: the limit of the DEM time step.
 
     Parameters
     ----------
-    radius : float
-        Radius of the smallest particle, m.
-    density : float
+    radius : float or str
+        Radius of the smallest particle, m, or a quantity such as ``"5 mm"``.
+    density : float or str
         Density of the solid, kg/m^3.
-    youngs_modulus : float
+    youngs_modulus : float or str
         Young's modulus, Pa.
     poissons_ratio : float
         Poisson's ratio.
@@ -35,6 +49,11 @@ def rayleigh_time_step(
     -------
     float
         Rayleigh time step, s.
+
+    Raises
+    ------
+    InputError
+        An argument is no number of its unit, or an impossible one.
 
     References
     ----------
@@ -45,6 +64,17 @@ def rayleigh_time_step(
     >>> round(rayleigh_time_step(0.005, 2100.0, 3.6e5, 0.22), 6)
     0.002054
     """
+    given = (radius, density, youngs_modulus, poissons_ratio)
+    values = dict(zip((key.name for key in _ARGUMENTS), given, strict=True))
+    InputError.raise_for(
+        messages.NO_VALUE.fault(name) for name, value in values.items() if value is None
+    )
+    return _time_step(**read_options(_ARGUMENTS, values))
+
+
+def _time_step(
+    radius: float, density: float, youngs_modulus: float, poissons_ratio: float
+) -> float:
     shear_modulus = youngs_modulus / (2 * (1 + poissons_ratio))
     wave = 0.1631 * poissons_ratio + 0.8766
     return math.pi * radius * math.sqrt(density / shear_modulus) / wave
@@ -91,6 +121,7 @@ class RayleighTimeStep(OneLine):
     shape: str = ""
 
     def __post_init__(self) -> None:
+        InputError.raise_for(mapping_faults("fixed", self.fixed, '{"particle.density": 2500}'))
         # Results are written as JSON, which has no numbers of NumPy.
         object.__setattr__(self, "radius", _plain(self.radius))
         fixed = {name: _plain(value) for name, value in self.fixed.items()}
@@ -124,14 +155,20 @@ class RayleighTimeStep(OneLine):
 
     def __call__(self, parameters: Mapping[str, float]) -> float:
         """Rayleigh time step at these values of the free parameters, s."""
-        values = {**self.fixed, **parameters}
+        try:
+            return self._at({**self.fixed, **parameters})
+        except (KeyError, TypeError, ValueError, ArithmeticError):
+            InputError.raise_for(self.faults({name: (v, v) for name, v in parameters.items()}))
+            raise
+
+    def _at(self, values: Mapping[str, float]) -> float:
         radius = self.radius
         if self.shape:
             # Imports NumPy, which the state of a calibration does without.
             from grainfit.materials.clump_radii import rayleigh_radius
 
             radius *= 2 * rayleigh_radius(self.shape, values[ASPECT_RATIO])
-        return rayleigh_time_step(radius, *(values[name] for name in RAYLEIGH_NAMES))
+        return _time_step(radius, *(values[name] for name in RAYLEIGH_NAMES))
 
     def limits(self, intervals: Mapping[str, tuple[float, float]]) -> tuple[float, float]:
         """Smallest and largest Rayleigh time step that the intervals allow, s."""
