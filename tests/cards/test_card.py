@@ -15,6 +15,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -453,6 +454,19 @@ def test_lammps_and_yade_need_the_size_of_the_particles(card: MaterialCard) -> N
 def test_an_unknown_format_lists_those_that_there_are(card: MaterialCard) -> None:
     with pytest.raises(InputError, match=messages.NO_FORMAT.pattern):
         render(card, "xml")
+
+
+@pytest.mark.parametrize("to", ["xml", ["json"], None])
+def test_a_card_names_the_arguments_that_it_cannot_write(
+    calibrated_drum: Path, tmp_path: Path, to: Any
+) -> None:
+    drum_card = material_card(calibrated_drum)
+    with pytest.raises(InputError, match=r"^to: "):
+        drum_card.write(to, tmp_path / "card")
+    with pytest.raises(InputError, match=r"^path: "):
+        drum_card.write("json", 3)  # type: ignore[arg-type]
+    shown = CliRunner().invoke(app, ["export", str(calibrated_drum), "--to", "xml"])
+    assert "--to: " in str(shown.exception)
 
 
 # --- names that are up to no good -----------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
+from os import PathLike
 from pathlib import Path
 
 from grainfit.cards import messages
@@ -25,6 +26,7 @@ from grainfit.solvers.dem.lammps.card import render_lammps
 from grainfit.solvers.dem.liggghts.card import render_liggghts
 from grainfit.solvers.dem.yade.card import render_yade
 from grainfit.solvers.registry import DEM_PROGRAMS
+from grainfit.validation import kind_faults
 from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 __all__ = [
@@ -78,6 +80,8 @@ class WritableCard(MaterialCard):
             There is no such format, the card lacks a value that the solver needs, or the file
             cannot be written.
         """
+        wanted = "the path of a file"
+        InputError.raise_for(kind_faults("path", path, str | PathLike, wanted))
         write_card(Path(path), render(self, to))
         return Path(path)
 
@@ -137,18 +141,25 @@ def render(card: MaterialCard, to: str) -> str:
     return require_format(to)(card)
 
 
-def require_format(to: str) -> Callable[[MaterialCard], str]:
+def require_format(to: str, key: str = "to") -> Callable[[MaterialCard], str]:
     """Return the function that writes a card in a format.
+
+    Parameters
+    ----------
+    to : str
+        The format, one of `FORMATS`.
+    key : str
+        Name of the argument or of the option, for the message.
 
     Raises
     ------
     InputError
         There is no such format.
     """
-    if to not in _RENDERERS:
+    if to not in FORMATS:
         *others, last = FORMATS
         known = ", ".join(others)
-        raise InputError(messages.NO_FORMAT.fault("--to", given=to, known=known, last=last))
+        raise InputError(messages.NO_FORMAT.fault(key, given=to, known=known, last=last))
     return _RENDERERS[to]
 
 

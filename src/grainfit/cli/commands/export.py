@@ -34,7 +34,7 @@ def export(
     from grainfit.cards import material_card, require_format, write_card
     from grainfit.formatting import plain
 
-    render = require_format(to)
+    render = require_format(to, "--to")
     require_free(output, force=force)
     card = material_card(folder)
     text = render(card)
