@@ -111,8 +111,7 @@ SECOND_COEFFICIENT = Message(
     "is a second coefficient of {first!r} and {second!r}.", "Keep one of them."
 )
 BAD_COEFFICIENT = Message(
-    "has the coefficient {given} of {first!r} and {second!r}.",
-    "It must be a number above -1 and below 1.",
+    "gives {first!r} and {second!r} the coefficient {given}.", "It must be above -1 and below 1."
 )
 CONTRADICTION = Message(
     "contradict each other: their matrix has the eigenvalue {smallest:.2g}, and all must be "
