@@ -220,7 +220,6 @@ def calibrate(
     solvers = restricted(problem, solvers)
     cheaper = relatives_of(problem, {} if relatives is None else _by_test("relatives", relatives))
     given_timeouts = {} if timeouts is None else _timeouts(timeouts, solvers)
-    sources = _sources(runs_from)
     _require_ready(problem, solvers, holdouts, cheaper)
     verification_runs = verification_runs or VERDICT.fresh_seeds
     search = start_search(
@@ -258,7 +257,7 @@ def calibrate(
                 live_file=stack.enter_context(LiveFile(folder)),
                 earlier_result=_earlier_result(folder / RESULT_NAME),
             )
-        for source in sources:
+        for source in _sources(runs_from):
             with open_source(source) as other:
                 take_runs(other, problem, {**solvers, **cheaper}, runs)
                 if near_runs and chosen.uses_relatives:
