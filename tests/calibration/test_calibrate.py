@@ -474,6 +474,25 @@ def test_a_target_in_another_unit_than_its_response_is_refused(
     assert unit in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    "target",
+    [
+        gf.Target("angle_of_repose", 95.0, uncertainty=1.0),
+        gf.Target("angle_of_repose", "-3 deg", uncertainty=1.0),
+        gf.Target("bulk_density", -1500.0),
+    ],
+    ids=["steep", "negative", "density"],
+)
+def test_a_target_that_is_physically_impossible_is_refused_as_in_a_file(target: gf.Target) -> None:
+    with pytest.raises(gf.InputError, match=f"{target.name}: is {target.value:g}"):
+        in_units(target)
+    heap = gf.solvers.Lammps(gf.tests.Heap(diameter="10 mm"), FIXED)
+    with pytest.raises(gf.InputError, match=f"other, {target.name}: is {target.value:g}"):
+        in_units(
+            gf.Target("angle_of_repose", "22 deg"), holdouts=[gf.Holdout("other", heap, [target])]
+        )
+
+
 def test_hold_outs_have_the_units_of_their_responses() -> None:
     packing = gf.solvers.Lammps(gf.tests.Packing(diameter="10 mm"), FIXED)
     held = gf.Holdout("packing", packing, [gf.Target("bulk_density", "15 mm")])

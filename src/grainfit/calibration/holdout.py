@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.registry import response_info
 from grainfit.calibration import messages
-from grainfit.calibration.readiness import unit_faults
+from grainfit.calibration.readiness import measured_faults
 from grainfit.calibration.registrations import Draws, HoldoutFile
 from grainfit.calibration.scopes import restricted_to_used
 from grainfit.calibration.timeouts import read_timeout
@@ -268,7 +268,7 @@ def _faults(problem: Problem, holdout: Holdout) -> Iterator[Fault]:
     for name in sorted(holdout.needed.difference(known or holdout.needed)):
         responses = ", ".join(sorted(known or ()))
         yield messages.HOLDOUT_WITHOUT_RESPONSE.fault("", name=name, responses=responses)
-    yield from unit_faults(holdout.model, {target.name: target for target in holdout.measured})
+    yield from measured_faults(holdout.model, {target.name: target for target in holdout.measured})
     try:
         own, solver = restricted_to_used(problem, holdout.model)
     except InputError as error:

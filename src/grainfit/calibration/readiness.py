@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from grainfit.bulk_tests.abilities import CurveRange, curve_range
 from grainfit.bulk_tests.response_info import CurveInfo
@@ -11,6 +12,7 @@ from grainfit.calibration import messages
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.evaluation import response_name
 from grainfit.formatting import in_a_row, unit_for_people, with_unit
+from grainfit.options.places import Findings, Place
 from grainfit.problem import CurveTarget, Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.units import how_to_write, is_same_unit
@@ -51,7 +53,7 @@ def obstacles(problem: Problem, solvers: Mapping[str, Solver]) -> Iterator[Obsta
         for obstacle in _of_solver(test, solver, problem):
             refused = True
             yield obstacle
-        faults = _faults_of_units(test, solver, problem, len(solvers))
+        faults = _faults_of_measured(test, solver, problem, len(solvers))
         faults += _faults_of_curves(test, solver, problem, len(solvers))
         if faults:
             yield Obstacle(test, InputError(faults))
@@ -84,17 +86,19 @@ def _faults_of_targets(problem: Problem, solvers: Mapping[str, Solver]) -> list[
     ]
 
 
-def _faults_of_units(test: str, solver: Solver, problem: Problem, tests: int) -> list[Fault]:
+def _faults_of_measured(test: str, solver: Solver, problem: Problem, tests: int) -> list[Fault]:
     if solver.bulk_test is None:
         return []
     known = (*solver.bulk_test.responses, *solver.bulk_test.curves)
     names = {response_name(test, name, tests): name for name in known}
     measured: Sequence[Target | CurveTarget] = (*problem.targets, *problem.curves)
-    return [*unit_faults(solver, {names[m.name]: m for m in measured if m.name in names})]
+    return [*measured_faults(solver, {names[m.name]: m for m in measured if m.name in names})]
 
 
-def unit_faults(solver: Solver, measured: Mapping[str, Target | CurveTarget]) -> Iterator[Fault]:
-    """Yield a fault for every unit that is not that of the response of a bulk test.
+def measured_faults(
+    solver: Solver, measured: Mapping[str, Target | CurveTarget]
+) -> Iterator[Fault]:
+    """Yield a fault for every unit, and for every number, that a bulk test cannot yield.
 
     Parameters
     ----------
@@ -113,6 +117,9 @@ def unit_faults(solver: Solver, measured: Mapping[str, Target | CurveTarget]) ->
                 yield from _faults_of_unit(key, target.coordinate_unit, curve.coordinate_unit)
         elif test is not None and name in test.responses:
             yield from _faults_of_unit(name, target.unit, test.responses[name].unit)
+            findings = Findings(Path())
+            test.responses[name].possible.read(target.value, Place(findings, (name,)))
+            yield from findings.faults
 
 
 def _faults_of_unit(key: str, unit: str, known: str) -> Iterator[Fault]:
