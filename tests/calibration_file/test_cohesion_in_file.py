@@ -176,11 +176,11 @@ def test_a_time_step_that_is_too_large_for_cohesion_is_named(tmp_path: Path) -> 
     ("text", "fraction"),
     [
         (sticky(), 0.12),
-        (sticky().replace("0.79", "0.2"), 0.07),
-        (sticky('{ min = 0, max = "0.5 J/m^2" }').replace("0.79", "0.2"), 0.07),
-        (damp().replace("0.79", "0.2"), 0.07),
+        (sticky().replace("0.79", "0.2"), 0.05),
+        (sticky('{ min = 0, max = "0.5 J/m^2" }').replace("0.79", "0.2"), 0.05),
+        (damp().replace("0.79", "0.2"), 0.05),
         # Without cohesion, the default is what it was.
-        (sticky("0").replace("0.79", "0.2"), 0.12),
+        (sticky("0").replace("0.79", "0.2"), 0.09),
     ],
 )
 def test_cohesion_and_low_restitution_shorten_the_time_step_that_is_the_default(

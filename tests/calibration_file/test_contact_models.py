@@ -58,8 +58,8 @@ def test_without_a_dashpot_no_damping_is_asked_for(tmp_path: Path) -> None:
         ({}, 0.19),
         ({"0.36 MPa": "10 MPa"}, 0.33),
         ({'"0.36 MPa"': '{ min = "0.1 MPa", max = "10 MPa" }'}, 0.15),
-        ({"0.79": "0.5"}, 0.17),
-        ({"0.79": "{ min = 0.1, max = 0.9 }"}, 0.1),
+        ({"0.79": "0.5"}, 0.16),
+        ({"0.79": "{ min = 0.1, max = 0.9 }"}, 0.07),
         ({"rolling_damping = 0.25": "rolling_damping = 1"}, 0.06),
         ({"rolling_damping = 0.25": "rolling_damping = { min = 0, max = 1 }"}, 0.06),
         ({"0.891": "2.5"}, 0.07),
@@ -82,7 +82,7 @@ def test_low_restitution_shortens_the_time_step_that_is_the_default(tmp_path: Pa
     text = choosing("epsd2").replace("restitution = 0.79", "restitution = 0.1")
     heap = setup_of(tmp_path, text).bulk_tests["heap"]
 
-    assert conditions_of(heap).time_step_fraction == 0.1
+    assert conditions_of(heap).time_step_fraction == 0.07
 
 
 def test_a_given_time_step_is_kept(tmp_path: Path) -> None:
@@ -269,8 +269,8 @@ def test_a_material_that_crosses_solvers_is_named_with_the_size_of_the_effect(
         (choosing("epsd2"), 0.19, None),
         (GLASS_BEADS.replace(DAMPED, "rolling_damping = 0\n"), 0.19, None),
         (GLASS_BEADS, 0.12, None),
-        (GLASS_BEADS.replace("restitution = 0.79", "restitution = 0.1"), 0.12, "0.1"),
-        (GLASS_BEADS.replace("0.79", "{ min = 0.1, max = 0.9 }"), 0.12, "0.1"),
+        (GLASS_BEADS.replace("restitution = 0.79", "restitution = 0.1"), 0.12, "0.07"),
+        (GLASS_BEADS.replace("0.79", "{ min = 0.1, max = 0.9 }"), 0.12, "0.07"),
     ],
 )
 def test_a_time_step_beyond_the_safe_one_is_named(

@@ -11,6 +11,7 @@ from grainfit.contact_models.hertz_mindlin.model import (
     impact_overlap,
     impact_time,
     particle_moduli,
+    safe_time_step,
     tangential_damping_ratio,
     tangential_stiffness,
 )
@@ -75,3 +76,16 @@ def test_the_time_of_an_impact_is_johnsons():
     # Johnson (1985), eq. 11.24: 2.94 times largest overlap over speed.
     overlap = impact_overlap(0.3, 1e-3, MODULI, RADIUS)
     assert impact_time(0.3, 1e-3, MODULI, RADIUS) == pytest.approx(2.94 * overlap / 0.3, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("restitution", "right", "wrong"),
+    [(0.1, 0.08, 0.1), (0.2, 0.1, 0.12), (0.3, 0.12, 0.147), (0.4, 0.14, 0.18), (0.6, 0.2, 0.25)],
+)
+def test_beds_come_to_rest_right_with_the_safe_time_step(restitution, right, wrong):
+    # Shares of the Rayleigh time step at which beds of 0.36 MPa have the density of shorter ones,
+    # and at which they are 0.5 % too dense or more: benchmarks/data/time_steps.jsonl.
+    contacts = ("particle_particle", "particle_wall")
+    safe = safe_time_step({f"{one}.restitution": restitution for one in contacts})
+    # As it is used, rounded down to a percent.
+    assert 0.8 * right < math.floor(100 * safe + 1e-9) / 100 <= right < wrong

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 from grainfit.contact_models.contact import Contact
 from grainfit.contact_models.hertz_mindlin.model import (
+    NEIGHBOURS,
     EffectiveModuli,
     hertz_overlap,
     hertz_stiffness,
@@ -25,8 +26,6 @@ from grainfit.contact_models.hertz_mindlin.model import (
 
 #: EPSD takes the rolling stiffness from that of the normal contact: k_r = 2.25 k_n (mu_r R*)^2.
 _STIFFNESS = 2.25
-#: Neighbours that a particle in a bed turns against: their springs and dashpots add up.
-_NEIGHBOURS = 4
 #: Usual values, where a parameter is not known.
 _ROLLING_FRICTION, _ROLLING_DAMPING, _POISSONS_RATIO = 1.0, 0.25, 0.3
 
@@ -123,7 +122,7 @@ def safe_time_step(material: Mapping[str, float], stiffness_ratio: float | None 
     ratio = material.get("particle.poissons_ratio", _POISSONS_RATIO)
     over_tangential = stiffness_ratio or (2 - ratio) / (3 - 3 * ratio)
     frequency = friction * math.sqrt(45 / 16 * over_tangential / 7)
-    return safe_share(frequency, math.sqrt(3.5 * _NEIGHBOURS) * damping)
+    return safe_share(frequency, math.sqrt(3.5 * NEIGHBOURS) * damping)
 
 
 def rolling_spring_of(contact: Contact, rolling_damping: float) -> RollingSpring:
