@@ -18,6 +18,8 @@ from grainfit.calibration_file.load import load_calibration_file
 from grainfit.campaign import messages
 from grainfit.campaign.reuse import runs_of
 from grainfit.campaign.store.records import RunRecord
+from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.unused_source import why_unused
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.metamodels.known_runs import nearest_runs
@@ -245,3 +247,60 @@ def test_a_source_that_is_no_work_folder_is_an_error(
     with pytest.raises(gf.InputError, match=messages.NO_WORK_FOLDER.pattern):
         gf.calibrate(problem, solver, runs_from=given(tmp_path))
     assert not list(tmp_path.iterdir())
+
+
+def slide(identity: str = "drum", response: str = "angle") -> Solver:
+    return PythonCallable(lambda p, s: {response: p["sliding"]}, [response], identity=identity)
+
+
+def why_none(
+    solver: Solver,
+    test: str = "drum",
+    interval: tuple[float, float] = (0.1, 0.9),
+    response: str = "angle",
+    *known: dict[str, float],
+) -> str:
+    """Return why a source has no run for a test; its runs are of a drum."""
+    source = RunStore("sqlite://")
+    for values in known or ({"sliding": 0.2}, {"sliding": 0.5}):
+        source.save(run(slide(), values, 1))
+    problem = gf.Problem([gf.Parameter("sliding", *interval)], [gf.Target(response, 20.0)])
+    return why_unused(source, problem, {test: solver})
+
+
+def test_a_source_of_which_no_run_is_used_has_a_reason() -> None:
+    assert why_none(slide()) == why_none(slide(), interval=(0.55, 0.9)) == ""
+    beyond = why_none(slide(), interval=(0.95, 0.99))
+    assert messages.BEYOND_INTERVALS.is_in(beyond, name="sliding", there="0.2 to 0.5")
+    flow = why_none(slide(response="flow"), response="flow")
+    assert messages.WITHOUT_RESPONSES.is_in(flow, names="flow")
+    assert messages.OTHER_MODEL.is_in(why_none(slide("new")), test="drum")
+    assert messages.OTHER_TESTS.is_in(why_none(slide("new"), "heap"), theirs="drum", ours="heap")
+
+
+def test_a_source_of_other_fixed_parameters_has_a_reason() -> None:
+    def why(**fixed: float) -> str:
+        rolling = {"sliding": 0.2, "rolling": 0.3}
+        return why_none(ParametersFor(slide(), fixed), "drum", (0.1, 0.9), "angle", rolling)
+
+    assert why(rolling=0.3) == ""
+    assert messages.OTHER_FIXED_VALUE.is_in(why(rolling=0.4), here="0.4", there="0.3")
+    assert messages.PARAMETER_NOT_HERE.is_in(why(), name="rolling")
+    assert messages.PARAMETER_NOT_THERE.is_in(why(rolling=0.3, damping=1.0), name="damping")
+
+
+def test_a_source_of_which_no_run_is_used_is_named_before_the_first_run(tmp_path: Path) -> None:
+    problem, _ = drum()
+    narrow = gf.Problem(problem.parameters[:1], [gf.Target("angle", 0.3)])
+    gf.calibrate(narrow, slide(), workdir=tmp_path / "other")
+    seen: list[gf.Progress] = []
+
+    def calibrated(solver: Solver) -> list[str]:
+        seen.clear()
+        result = gf.calibrate(narrow, solver, runs_from=tmp_path / "other", on_progress=seen.append)
+        return [notice for notice in result.notices if messages.NO_RUN_USED.is_in(notice)]
+
+    [notice] = calibrated(slide("new"))
+    assert seen[0].notices == (notice,)
+    assert seen[0].done == 0
+    assert not calibrated(slide())

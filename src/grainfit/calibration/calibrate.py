@@ -25,6 +25,7 @@ from grainfit.calibration.runs_to_come import largest_scatter, with_recorded_sca
 from grainfit.calibration.scopes import relatives_of, repeats_of, restricted, with_scopes
 from grainfit.calibration.timeouts import default_timeouts, read_timeout
 from grainfit.calibration.twins import Twins
+from grainfit.campaign import messages as of_campaign
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.keep import Keep
@@ -33,6 +34,7 @@ from grainfit.campaign.reuse import needed_responses, take_runs
 from grainfit.campaign.store.shared import SharedRuns, share
 from grainfit.campaign.store.source import open_source
 from grainfit.campaign.store.store import RunStore
+from grainfit.campaign.unused_source import why_unused
 from grainfit.campaign.work_folder import RESULT_NAME, recover
 from grainfit.errors import Fault, InputError, StoreError
 from grainfit.ground_messages import CANNOT_BE_WRITTEN
@@ -257,16 +259,13 @@ def calibrate(
                 live_file=stack.enter_context(LiveFile(folder)),
                 earlier_result=_earlier_result(folder / RESULT_NAME),
             )
-        for source in _sources(runs_from):
-            with open_source(source) as other:
-                take_runs(other, problem, {**solvers, **cheaper}, runs)
-                if near_runs and chosen.uses_relatives:
-                    take_near_runs(other, problem, solvers, runs, seed)
+        near_seed = seed if near_runs and chosen.uses_relatives else None
+        unused = [*_take_from(_sources(runs_from), problem, solvers, cheaper, runs, near_seed)]
         shared = None
         if store is not None:
             shared = stack.enter_context(share(store, folder, runs))
             shared.patiently(lambda other: take_runs(other, problem, solvers, runs))
-            if near_runs and chosen.uses_relatives:
+            if near_seed is not None:
                 shared.patiently(lambda other: take_near_runs(other, problem, solvers, runs, seed))
         if retry_failed:
             _forget_failed(runs, shared)
@@ -280,13 +279,14 @@ def calibrate(
             repeats=means,
             ratios=problem.ratios,
         )
-        campaign = Campaign(solvers, runs, folder, making, shared, cheaper)
+        campaign = Campaign(solvers, runs, folder, making, shared, cheaper, unused)
         stack.callback(campaign.close)
         loop = CalibrationLoop(replace(problem, relatives=()), search, campaign, runs, options)
         after = HoldoutsAfter(holdouts, problem, runs, folder, options, making, shared)
         result = loop.run()
         if loop.earlier_stays:
             return result
+        result = replace(result, other_notices=(*unused, *result.other_notices))
         return after.predicted(result, loop.material, partial(_keep, folder=folder))
 
 
@@ -315,6 +315,25 @@ def _require_ready(
     require_holdouts(problem, solvers, holdouts)
     for solver in cheaper.values():
         solver.check()
+
+
+def _take_from(
+    sources: Iterable[str | Path],
+    problem: Problem,
+    solvers: Mapping[str, Solver],
+    relatives: Mapping[str, Solver],
+    runs: RunStore,
+    near_seed: int | None,
+) -> Iterator[str]:
+    """Copy the runs of sources, near ones where they have a seed; yield why one has none."""
+    every = {**solvers, **relatives}
+    for source in sources:
+        with open_source(source) as other:
+            take_runs(other, problem, every, runs)
+            if near_seed is not None and take_near_runs(other, problem, solvers, runs, near_seed):
+                continue
+            if why := why_unused(other, problem, every):
+                yield of_campaign.NO_RUN_USED(source=other.place, why=why)
 
 
 @contextmanager

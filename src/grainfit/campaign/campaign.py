@@ -135,6 +135,8 @@ class Campaign:
     relatives : mapping of str to Solver
         Solvers of cheaper relatives of the tests, by `relative_name`. They run for proposals that
         name them.
+    notices : sequence of str
+        Notices from before the first run.
     """
 
     def __init__(
@@ -145,8 +147,10 @@ class Campaign:
         options: CampaignOptions | None = None,
         shared: SharedRuns | None = None,
         relatives: Mapping[str, Solver] | None = None,
+        notices: Sequence[str] = (),
     ) -> None:
         self._tests = dict(solvers)
+        self._early_notices = tuple(notices)
         self.relatives = dict(relatives or {})
         self._solvers = {**self._tests, **self.relatives}
         _require_names_of_tests(solvers)
@@ -260,8 +264,9 @@ class Campaign:
 
     @property
     def notices(self) -> tuple[str, ...]:
-        """Notices about the shared store, in the order of their events."""
-        return () if self._shared is None else self._shared.notices
+        """Notices from before the first run, and about the shared store, as they came."""
+        later = () if self._shared is None else self._shared.notices
+        return (*self._early_notices, *later)
 
     def fetch(self, identities: Collection[str]) -> None:
         """Read runs that will be needed in one query, which is much faster than one by one."""

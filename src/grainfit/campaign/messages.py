@@ -29,6 +29,17 @@ NOTHING_IN_COMMON = Message(
 NEAR_RUNS = Message(
     "{runs} of {problems} guide the search, and no verdict rests on them: {differs}."
 )
+NO_RUN_USED = Message("No run of {source} is used: {why}.")
+NO_FINISHED_RUN = Message("it has no finished run")
+OTHER_TESTS = Message("its runs are of {theirs}, and those of this calibration of {ours}")
+OTHER_MODEL = Message("its runs of {test} differ in {what} from those of this calibration")
+OTHER_FIXED_VALUE = Message("{name} is {here} in this calibration, and {there} in its runs")
+PARAMETER_NOT_THERE = Message("its runs have no {name}")
+PARAMETER_NOT_HERE = Message("its runs have {name}, which this calibration does not have")
+BEYOND_INTERVALS = Message(
+    "they are too far outside of the interval of {name}, which is {here}: they have {there}"
+)
+WITHOUT_RESPONSES = Message("its runs have no {names}")
 
 # Work folder.
 FOLDER_UNUSABLE = Message(

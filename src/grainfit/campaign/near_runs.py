@@ -346,8 +346,8 @@ def _in_words(differing: Mapping[str, Mapping[str, float]]) -> str:
 
 def take_near_runs(
     other: RunStore, problem: Problem, solvers: Mapping[str, Solver], store: RunStore, seed: int
-) -> None:
-    """Copy the runs of near problems from another store.
+) -> int:
+    """Copy the runs of near problems from another store; return how many it has.
 
     Parameters
     ----------
@@ -360,8 +360,10 @@ def take_near_runs(
     """
     records = {record.identity: record for record in near_records(other, problem, solvers)}
     there = store.states()
+    found = near_runs(problem, solvers, records.values(), seed).identities
     store.save_many(
         replace(records[run], origin=records[run].origin or other.place)
-        for run in near_runs(problem, solvers, records.values(), seed).identities
+        for run in found
         if run not in there
     )
+    return len(found)

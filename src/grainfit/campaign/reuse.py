@@ -81,6 +81,19 @@ class RunMatcher:
             return None
         return free, definition.seed
 
+    def mismatch(self, record: RunRecord) -> tuple[str, float | None] | None:
+        """Return the first parameter in which a run of the model is none of the problem.
+
+        With the problem's value of a fixed one; None where the run matches.
+        """
+        values = self._defaults | dict(record.definition.parameters)
+        for name in dict.fromkeys([*self._free, *self._fixed, *values]):
+            if name not in values:
+                return name, self._fixed.get(name)
+            if name not in self._free and values[name] != self._fixed.get(name):
+                return name, self._fixed.get(name)
+        return None
+
 
 def _sample(solver: Solver, problem: Problem) -> RunDefinition:
     """Return a run in the middle of the intervals."""
@@ -380,16 +393,21 @@ def take_runs(
 ) -> int:
     """Copy the runs of a problem from another store; return the number of new runs."""
     there = store.states()
-    fitting = is_run_of(problem, solvers)
-    found = [*filter(fitting, other.runs_of(models_of(solvers), "finished"))]
-    found += _at_other_scales(other, problem, solvers, {record.identity for record in found})
     new = {
         record.identity: replace(record, origin=record.origin or other.place)
-        for record in found
+        for record in finished_runs_of(other, problem, solvers)
         if there.get(record.identity) != "finished"
     }
     store.save_many(new.values())
     return len(new)
+
+
+def finished_runs_of(
+    other: RunStore, problem: Problem, solvers: Mapping[str, Solver]
+) -> list[RunRecord]:
+    """Return the finished runs of a problem in a store, at the scale of the problem."""
+    found = [*filter(is_run_of(problem, solvers), other.runs_of(models_of(solvers), "finished"))]
+    return found + _at_other_scales(other, problem, solvers, {one.identity for one in found})
 
 
 def _at_other_scales(
