@@ -39,8 +39,9 @@ def own(tmp_path_factory: pytest.TempPathFactory) -> gf.OpenedCalibration:
 
 
 def test_models_of_the_user_have_no_other_tests(own: gf.OpenedCalibration) -> None:
-    with pytest.raises(gf.InputError, match=of_work_folder.OWN_MODEL_NOT_IN_RUNS.pattern):
+    with pytest.raises(gf.InputError, match=of_work_folder.OWN_MODEL_NOT_IN_RUNS.pattern) as fault:
         own.advise()
+    assert of_work_folder.ADVICE_FOR_BULK_TESTS.is_in(str(fault.value))
 
 
 @pytest.mark.parametrize(

@@ -244,7 +244,7 @@ def test_springs_that_are_given_have_no_modulus_to_study(sand: Path) -> None:
 
 def test_the_answer_of_a_model_of_the_user_needs_its_file(sand: Path) -> None:
     gf.load("sand.toml").calibrate(max_runs=14)
-    with pytest.raises(gf.InputError, match=messages.OWN_MODEL_NOT_IN_RUNS.pattern):
+    with pytest.raises(gf.InputError, match=messages.GIVE_FILE_AND_ANSWER.pattern):
         gf.stiffness_study(sand / "sand.grainfit")
     with pytest.raises(gf.InputError, match=messages.SET_BESIDE_ANSWER.pattern):
         gf.stiffness_study(sand / "sand.grainfit", settings=["friction=1"])

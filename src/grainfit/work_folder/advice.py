@@ -25,6 +25,7 @@ from grainfit.which_test.next_test import Advice, OpenParameters, rank_tests
 from grainfit.which_test.simulation import Simulation, require_simulated
 from grainfit.which_test.slopes import Cloud
 from grainfit.which_test.told_by_atlas import of_dry_spheres, told_tests
+from grainfit.work_folder import messages as of_work_folder
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.solvers_of_runs import solvers_of
 
@@ -103,7 +104,7 @@ def advise(
     simulation = Simulation(folder, number, seeds, max_seconds, on_start, on_progress)
     values = _posterior_values(saved)
     cloud = Cloud.of(saved.problem.parameters, values)
-    solvers = solvers_of(saved)
+    solvers = solvers_of(saved, of_work_folder.ADVICE_FOR_BULK_TESTS())
     medians = dict(zip(cloud.names, np.median(values, axis=0).tolist(), strict=True))
     today = _today(saved, cloud.knowledge, medians, solvers)
     if not today.parameters:

@@ -113,8 +113,12 @@ SEED_TOO_LARGE = Message(
     "{seed} and the {repeat} seeds from it on go beyond {largest}.", "Give a smaller one."
 )
 OWN_MODEL_NOT_IN_RUNS = Message(
-    "was simulated by a model of your own, which its runs do not hold.",
-    "Give the calibration file, with --set NAME=VALUE for the answer.",
+    "was simulated by a model of your own, which its runs do not hold.", "{remedy}"
+)
+GIVE_FILE_AND_ANSWER = Message("Give the calibration file, with --set NAME=VALUE for the answer.")
+ADVICE_FOR_BULK_TESTS = Message(
+    "Advice is for calibrations of bulk tests on a DEM program alone; where a calibration file has "
+    "such tests beside your own, 'grainfit design FILE' ranks further ones."
 )
 CURVES_ONLY = Message(
     "are curves only, and the study compares single numbers.",

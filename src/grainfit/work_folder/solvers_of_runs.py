@@ -12,8 +12,15 @@ from grainfit.work_folder import messages
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
-def solvers_of(saved: SavedCalibration) -> dict[str, Solver]:
+def solvers_of(saved: SavedCalibration, remedy: str) -> dict[str, Solver]:
     """Return the solvers of the tests of a calibration, by name of the test.
+
+    Parameters
+    ----------
+    saved : SavedCalibration
+        The calibration.
+    remedy : str
+        What to do about a model of the user.
 
     Raises
     ------
@@ -24,10 +31,10 @@ def solvers_of(saved: SavedCalibration) -> dict[str, Solver]:
     for record in saved.records.values():
         first.setdefault(record.test, record)
     free = {parameter.name for parameter in saved.problem.parameters}
-    return {test: solver_of_run(record, free) for test, record in first.items()}
+    return {test: solver_of_run(record, free, remedy) for test, record in first.items()}
 
 
-def solver_of_run(record: RunRecord, free: set[str]) -> Solver:
+def solver_of_run(record: RunRecord, free: set[str], remedy: str = "") -> Solver:
     """Rebuild the solver of a run from the definition of the run.
 
     Parameters
@@ -36,6 +43,8 @@ def solver_of_run(record: RunRecord, free: set[str]) -> Solver:
         The run.
     free : set of str
         Names of the free parameters; the others keep the values of the run.
+    remedy : str
+        What to do about a model of the user.
 
     Raises
     ------
@@ -46,7 +55,8 @@ def solver_of_run(record: RunRecord, free: set[str]) -> Solver:
     test = recreate_test(definition)
     program = DEM_PROGRAMS.get(str(definition.model.get("solver")))
     if test is None or program is None:
-        raise InputError(messages.OWN_MODEL_NOT_IN_RUNS.fault(f"test {record.test}"))
+        fault = messages.OWN_MODEL_NOT_IN_RUNS.fault(f"test {record.test}", remedy=remedy)
+        raise InputError(fault)
     fixed = {name: value for name, value in definition.parameters.items() if name not in free}
     model = definition.model
     solver = program(

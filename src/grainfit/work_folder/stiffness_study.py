@@ -114,7 +114,7 @@ def _of_answer(folder: Path, settings: Sequence[str]) -> dict[str, Any]:
     answer = read_answer(saved).parameters
     modulus = _modulus({**saved.fixed, **answer}, str(folder))
     return {
-        "solvers": solvers_of(saved),
+        "solvers": solvers_of(saved, messages.GIVE_FILE_AND_ANSWER()),
         "problem": saved.problem,
         "parameters": {**answer, MODULUS: modulus},
         "workers": saved.workers,
