@@ -120,6 +120,10 @@ def test_a_report_that_cannot_be_written_costs_no_result(tmp_path: Path) -> None
     elsewhere = grainfit("report", "work", "--output", "sand.html", folder=tmp_path)
     assert elsewhere.stdout == "Report: sand.html\n"
     assert "Calibrated" in (tmp_path / "sand.html").read_text()
+    assert elsewhere.stderr == ""
+    (tmp_path / "work" / "result.json").write_text("{")
+    damaged = grainfit("report", "work", "--output", "again.html", folder=tmp_path)
+    assert "is damaged" in damaged.stderr
 
 
 def test_out_of_reach_exits_with_three_and_names_the_bound(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import needs
 from benchmarks import chromium
 from benchmarks.axe import violations
 from grainfit.cli.app import app
-from grainfit.errors import InputError
+from grainfit.errors import InputError, StoreError
 from grainfit.tables import TextTable
 from grainfit.work_folder import messages
 from grainfit.work_folder.comparison import compare
@@ -67,12 +67,17 @@ def test_comparison_says_that_a_calibration_has_no_answer_yet(
 ) -> None:
     with pytest.raises(InputError, match=messages.ONE_CALIBRATION.pattern):
         compare(three[:1])
-    (three[0].folder / "result.json").rename(three[0].folder / "kept.json")
+    result = three[0].folder / "result.json"
+    kept = result.read_text()
     try:
-        with pytest.raises(InputError, match=messages.NO_ANSWER_TO_COMPARE.pattern):
+        result.unlink()
+        with pytest.raises(InputError, match=messages.NO_ANSWER_FILE.pattern):
+            compare([SavedCalibration.open(three[0].folder), three[1]])
+        result.write_text("{")
+        with pytest.raises(StoreError, match="is damaged"):
             compare([SavedCalibration.open(three[0].folder), three[1]])
     finally:
-        (three[0].folder / "kept.json").rename(three[0].folder / "result.json")
+        result.write_text(kept)
 
 
 @needs.CHROMIUM

@@ -20,7 +20,7 @@ from grainfit.formatting import (
 from grainfit.tables import TextTable
 from grainfit.verdict.messages import state_name
 from grainfit.work_folder import messages
-from grainfit.work_folder.saved_calibration import SavedCalibration
+from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 _ABSENT = "–"
 #: Words of the last column.
@@ -166,14 +166,13 @@ def compare(saved: Sequence[SavedCalibration]) -> Comparison:
     ------
     InputError
         There are fewer than two, or one of them has no answer yet.
+    StoreError
+        The result of one is damaged.
     """
     if len(saved) < 2:
         raise InputError(messages.ONE_CALIBRATION.fault(""))
     for one in saved:
-        if one.result is None or not one.result.parameters:
-            state = state_name(one.state)
-            fault = messages.NO_ANSWER_TO_COMPARE.fault("", folder=str(one.folder), state=state)
-            raise InputError(fault)
+        read_answer(one)
     return Comparison(
         _names(saved),
         tuple(one.name for one in saved),

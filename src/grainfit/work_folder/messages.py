@@ -98,9 +98,6 @@ NO_ANSWER_FILE = Message(
     "Start the calibration again: it is written again, and no finished run is repeated.",
 )
 ONE_CALIBRATION = Message("one calibration is nothing to compare.", "Name two or more.")
-NO_ANSWER_TO_COMPARE = Message(
-    "{folder!r} has no answer yet ({state}).", "Let 'grainfit run' end first."
-)
 NO_PARAMETER_OF_FILE = Message(
     "was calibrated in {folder!r}, and is no parameter of the file.",
     "Add it to the file: a simulation without it would be one of another material.",

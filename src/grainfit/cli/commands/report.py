@@ -46,9 +46,19 @@ def report(
     """
     require_kind(output, ".pdf" if sheet else ".html")
     require_free(output, force=force)
-    path = _write_sheet(workdir, output) if sheet else _write(workdir, output)
+    path = _write_sheet(workdir, output) if sheet else _write_as_asked(workdir, output)
     if open_it:
         open_in_browser(path)
+
+
+def _write_as_asked(workdir: Path, output: Path | None) -> Path:
+    """Write the report, and warn of a result that cannot be used."""
+    path = _write(workdir, output)
+    from grainfit.work_folder.saved_calibration import SavedCalibration
+
+    if fault := SavedCalibration.open(workdir).result_fault:
+        show.print_warning(err, fault)
+    return path
 
 
 def _write_sheet(workdir: Path, output: Path | None) -> Path:
