@@ -289,6 +289,24 @@ def test_the_list_fits_into_a_terminal_without_cutting_a_number() -> None:
     assert total == "4 runs, 1 failed."
 
 
+def test_runs_that_no_living_process_makes_are_interrupted(tmp_path: Path) -> None:
+    folder = work(tmp_path / "work", record(1), record(2, status="running", responses={}))
+
+    def statuses(*given: str) -> list[str]:
+        listed = grainfit("runs", "list", folder, *given, "--json").stdout
+        return [run["status"] for run in json.loads(listed)["runs"]]
+
+    with hold(folder):
+        assert sorted(statuses()) == ["finished", "running"]
+        assert statuses("--status", "interrupted") == []
+    assert sorted(statuses()) == ["finished", "interrupted"]
+    assert statuses("--status", "interrupted") == ["interrupted"]
+    assert statuses("--status", "running") == []
+    shown = ("runs", "show", folder, record(2).identity)
+    assert "status = interrupted" in grainfit(*shown).stdout
+    assert json.loads(grainfit(*shown, "--json").stdout)["run"]["status"] == "interrupted"
+
+
 def test_text_from_runs_is_shown_as_text(tmp_path: Path) -> None:
     definition = RunDefinition({"solver": NASTY}, {NASTY: 1.0}, 1)
     folder = work(tmp_path / NASTY.replace("/", ""), failed(1), record(2, definition=definition))

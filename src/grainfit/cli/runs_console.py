@@ -15,9 +15,8 @@ from rich.console import Console, JustifyMethod
 from rich.table import Table
 from rich.text import Text
 
-from grainfit.campaign.store.records import RunRecord
 from grainfit.formatting import assigned, counted, plain, plain_lines, unit_for_people
-from grainfit.work_folder.run_columns import RunColumns, run_columns
+from grainfit.work_folder.run_columns import RunColumns
 
 if TYPE_CHECKING:
     from grainfit.work_folder.prune import Pruned
@@ -130,9 +129,9 @@ def _heading(name: str, shown: RunColumns) -> str:
     return "\n".join([*lines, *([f"in {unit}"] if unit else [])])
 
 
-def print_record(console: Console, record: RunRecord, folder: Path | None) -> None:
-    """Print all that is known of a run."""
-    columns = run_columns([record])
+def print_record(console: Console, columns: RunColumns, folder: Path | None) -> None:
+    """Print all that is known of the only run in a table."""
+    [record] = columns.records
     for name, [cell] in columns.values.items():
         if isinstance(cell, float):
             _line(console, *assigned({name: cell}, columns.units, _DIGITS_OF_A_RUN))

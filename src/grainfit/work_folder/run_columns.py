@@ -6,8 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
+from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.contact_models.registry import material_units
@@ -29,6 +31,8 @@ COMMON_COLUMNS = (
     "seconds",
     "ended",
 )
+#: Status of a run whose process has died.
+INTERRUPTED = "interrupted"
 _NAMED_RUNS = 5
 #: Seeds beyond these are no whole numbers of a table.
 _SEED_LIMIT = 2**63
@@ -82,8 +86,21 @@ class RunColumns:
         return units
 
 
-def run_columns(records: Iterable[RunRecord]) -> RunColumns:
-    """Return runs as columns, in order."""
+def none_running(source: str) -> bool:
+    """Whether no process executes runs in a work folder; of a shared store that is not known."""
+    return "://" not in source and not is_held(Path(source))
+
+
+def run_columns(records: Iterable[RunRecord], none_is_running: bool = False) -> RunColumns:
+    """Return runs as columns, in order.
+
+    Parameters
+    ----------
+    records : iterable of RunRecord
+        The runs.
+    none_is_running : bool
+        Whether those that are stored as running were interrupted.
+    """
     records = list(records)
     inputs = [record.definition.parameters for record in records]
     taken = set(COMMON_COLUMNS)
@@ -91,6 +108,8 @@ def run_columns(records: Iterable[RunRecord]) -> RunColumns:
     numbers = [scalars(record.responses) for record in records]
     responses = {name: _free(name, "response", taken) for name in _distinct(numbers)}
     values = _common_columns(records)
+    if none_is_running:
+        values["status"] = [INTERRUPTED if s == "running" else s for s in values["status"]]
     for name, column in parameters.items():
         values[column] = [_number(given.get(name)) for given in inputs]
     for name, column in responses.items():

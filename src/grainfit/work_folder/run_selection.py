@@ -14,7 +14,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.formatting import in_a_row
 from grainfit.units import UnitError, to_unit
 from grainfit.work_folder import messages
-from grainfit.work_folder.run_columns import COMMON_COLUMNS, RunColumns
+from grainfit.work_folder.run_columns import COMMON_COLUMNS, INTERRUPTED, RunColumns
 
 _CONDITION = re.compile(r"\s*(?P<name>[^<>=!]+?)\s*(?P<operator><=|>=|==|!=|=|<|>)(?P<value>.+)")
 
@@ -45,7 +45,7 @@ def select_runs(
     faults: list[Fault] = []
     chosen = set(range(len(runs)))
     for key, wanted, there in (
-        ("status", status, list(get_args(RunStatus))),
+        ("status", status, [*get_args(RunStatus), INTERRUPTED]),
         ("test", test, list(dict.fromkeys(runs.values["test"]))),
     ):
         if wanted is not None:

@@ -17,7 +17,6 @@ from grainfit.cli.verbosity import CommandLine
 from grainfit.errors import InputError, StoreError
 
 if TYPE_CHECKING:
-    from grainfit.campaign.store.records import RunRecord
     from grainfit.work_folder.run_columns import RunColumns
 
 _DISK_SECONDS = 0.2
@@ -38,7 +37,7 @@ Source = Annotated[
 ]
 Status = Annotated[
     str | None,
-    typer.Option(metavar="STATUS", help="Only those finished, failed or running."),
+    typer.Option(metavar="STATUS", help="Only those finished, failed, running or interrupted."),
 ]
 Test = Annotated[str | None, typer.Option(metavar="NAME", help="Only those of a test.")]
 Where = Annotated[
@@ -103,15 +102,15 @@ def show_run(
     """Show all about a run: its definition, its outcome, its log and its folder."""
     from grainfit.campaign.work_folder import run_folder
     from grainfit.cli import runs_console as show
-    from grainfit.work_folder.run_columns import run_columns
 
-    record = _find(source, identity)
+    found = _find(source, identity)
+    [record] = found.records
     folder = None if "://" in source else run_folder(Path(source), record.identity)
     there = folder if folder is not None and folder.is_dir() else None
     if as_json:
-        print_document("run", run_document(run_columns([record]), there))
+        print_document("run", run_document(found, there))
     else:
-        show.print_record(out, record, there)
+        show.print_record(out, found, there)
 
 
 @runs_app.command("export")
@@ -189,23 +188,24 @@ def _selected(
 ) -> tuple[RunColumns, RunColumns]:
     """Return all runs, and those selected, in order."""
     from grainfit.campaign.store.source import open_source
-    from grainfit.work_folder.run_columns import run_columns
+    from grainfit.work_folder.run_columns import none_running, run_columns
     from grainfit.work_folder.run_selection import select_runs, sort_runs
 
     with open_source(source, "") as store:
-        runs = run_columns(store.runs())
+        runs = run_columns(store.runs(), none_running(source))
     return runs, sort_runs(select_runs(runs, status, test, where or ()), sort)
 
 
-def _find(source: str, identity: str) -> RunRecord:
+def _find(source: str, identity: str) -> RunColumns:
+    """Return the only run with an identity."""
     from grainfit.campaign.store.source import open_source
-    from grainfit.work_folder.run_columns import find_run
+    from grainfit.work_folder.run_columns import find_run, none_running, run_columns
 
     wanted = identity.strip()
     if wanted.isdecimal() and len(wanted) <= _DIGITS_OF_NUMBERS and "://" not in source:
         wanted = _numbered(Path(source), int(wanted)) or wanted
     with open_source(source, "") as store:
-        return find_run(store, wanted)
+        return run_columns([find_run(store, wanted)], none_running(source))
 
 
 def _numbered(folder: Path, number: int) -> str:
