@@ -724,8 +724,9 @@ def test_pruning_keeps_record_logs_and_pictures_and_touches_nothing_else(tmp_pat
     mine.mkdir()
     (mine / "notes.txt").write_text("mine")
     untouched = {path: names(path) for path in (broken, outside, partial, mine)}
-    with hold(folder), pytest.raises(StoreError, match=messages.FOLDER_IN_USE.pattern):
+    with hold(folder), pytest.raises(StoreError, match=messages.FOLDER_IN_USE.pattern) as fault:
         prune_runs(folder)
+    assert "--workdir" not in str(fault.value)
     assert "snapshots" in names(finished)
     said = grainfit("runs", "prune", folder).stdout
     assert said == "Freed 2.1 kB in 1 run folder.\n", "a link is as long as where it leads"
@@ -747,6 +748,15 @@ def test_pruning_refuses_what_is_no_work_folder_and_runs_elsewhere(tmp_path: Pat
     with pytest.raises(InputError, match=of_work_folder.RUNS_ARE_A_LINK.pattern):
         prune_runs(folder)
     assert "in.lammps" in names(outside)
+
+
+def test_pruning_a_folder_that_cannot_be_written_names_no_other(tmp_path: Path) -> None:
+    folder = work(tmp_path / "work", record(1))
+    (folder / "lock").mkdir()
+    with pytest.raises(StoreError, match=messages.MAKE_WRITABLE.pattern):
+        prune_runs(folder)
+    with pytest.raises(StoreError, match=messages.ANOTHER_FOLDER.pattern), hold(folder):
+        pass
 
 
 def test_the_list_says_what_the_run_folders_take(tmp_path: Path) -> None:

@@ -34,6 +34,7 @@ _ANOTHER = (
     "Choose a folder on another file system with --workdir (for runs on a cluster, one that the "
     "nodes share, such as the home folder)"
 )
+_MOVE = "Move it to another file system"
 _held: set[TextIO] = set()
 
 
@@ -49,8 +50,15 @@ platforms.after_fork_in_child(_let_go)
 
 
 @contextmanager
-def hold(folder: Path) -> Iterator[None]:
+def hold(folder: Path, *, is_only: bool = False) -> Iterator[None]:
     """Lock a work folder for this process.
+
+    Parameters
+    ----------
+    folder : Path
+        The work folder; it is created.
+    is_only : bool
+        Whether the command is for this folder alone, so that no other can be chosen.
 
     Raises
     ------
@@ -63,15 +71,16 @@ def hold(folder: Path) -> Iterator[None]:
         require_files(folder)
         file = path.open("a+", encoding="utf-8")
     except OSError as error:
-        text = messages.FOLDER_UNUSABLE(folder=str(folder), reason=error.strerror)
+        remedy = messages.MAKE_WRITABLE() if is_only else messages.ANOTHER_FOLDER()
+        text = messages.FOLDER_UNUSABLE(folder=str(folder), reason=error.strerror, remedy=remedy)
         raise StoreError(text) from error
     with file:
-        locked = _lock(file, folder)
+        locked = _lock(file, folder, _MOVE if is_only else _ANOTHER)
         signature = Signature.read(path)
         if not locked:
-            raise _in_use(folder, signature)
+            raise _in_use(folder, signature, is_only)
         if not signature.is_of_this_machine() and _is_touched(path):
-            raise _in_use(folder, signature)
+            raise _in_use(folder, signature, is_only)
         _held.add(file)
         try:
             with _signed(file):
@@ -147,11 +156,13 @@ class Signature:
         return self.process if self.is_of_this_machine() else f"{self.process} on {self.host}"
 
 
-def _in_use(folder: Path, signature: Signature) -> StoreError:
-    return StoreError(messages.FOLDER_IN_USE(folder=str(folder), process=signature))
+def _in_use(folder: Path, signature: Signature, is_only: bool) -> StoreError:
+    remedy = messages.WAIT() if is_only else messages.WAIT_OR_ANOTHER()
+    text = messages.FOLDER_IN_USE(folder=str(folder), process=signature, remedy=remedy)
+    return StoreError(text)
 
 
-def _lock(file: TextIO, folder: Path) -> bool:
+def _lock(file: TextIO, folder: Path, remedy: str) -> bool:
     deadline = time.monotonic() + _LOCK_SECONDS
     while True:
         try:
@@ -167,9 +178,9 @@ def _lock(file: TextIO, folder: Path) -> bool:
         except OSError as error:
             path, reason = str(folder), error.strerror
             if error.errno not in _UNSUPPORTED:
-                text = messages.NOT_LOCKED(folder=path, reason=reason, remedy=_ANOTHER)
+                text = messages.NOT_LOCKED(folder=path, reason=reason, remedy=remedy)
             else:
-                text = messages.NO_LOCKS(folder=path, reason=reason, remedy=_ANOTHER)
+                text = messages.NO_LOCKS(folder=path, reason=reason, remedy=remedy)
             raise StoreError(text) from error
 
 

@@ -42,14 +42,13 @@ BEYOND_INTERVALS = Message(
 WITHOUT_RESPONSES = Message("its runs have no {names}")
 
 # Work folder.
-FOLDER_UNUSABLE = Message(
-    "the work folder {folder!r} cannot be used: {reason}.", "Choose another with --workdir."
-)
+FOLDER_UNUSABLE = Message("the work folder {folder!r} cannot be used: {reason}.", "{remedy}")
+ANOTHER_FOLDER = Message("Choose another with --workdir.")
+MAKE_WRITABLE = Message("Make it writable: this command changes the folder itself.")
 NOT_A_FILE = Message("{path!r} is a pipe, a socket or a device, not a file.", "Remove it.")
-FOLDER_IN_USE = Message(
-    "the work folder {folder!r} is in use by process {process}.",
-    "Wait for it to end, or choose another folder with --workdir.",
-)
+FOLDER_IN_USE = Message("the work folder {folder!r} is in use by process {process}.", "{remedy}")
+WAIT_OR_ANOTHER = Message("Wait for it to end, or choose another folder with --workdir.")
+WAIT = Message("Wait for it to end.")
 NOT_LOCKED = Message("the work folder {folder!r} cannot be locked: {reason}.", "{remedy}.")
 NO_LOCKS = Message(
     "the work folder {folder!r} cannot be locked: {reason}. Its file system has no locks; without "

@@ -56,7 +56,7 @@ def prune_runs(folder: Path, failed: bool = False) -> Pruned:
         raise InputError(messages.RUNS_ARE_A_LINK.fault("", path=str(folder / RUNS)))
     wanted = ("finished", "failed") if failed else ("finished",)
     folders, freed, faults = 0, 0, []
-    with hold(folder):
+    with hold(folder, is_only=True):
         for path in sorted((folder / RUNS).iterdir()):
             if not _is_run_folder(path, wanted):
                 continue
