@@ -196,3 +196,14 @@ def test_tests_ask_for_messages_by_their_names() -> None:
         if runs_of_words(re.sub(r"\\(.)", r"\1", literal.value)) & prose
     ]
     assert not found, "messages have names: see Message.is_in and Message.matching"
+
+
+def test_a_value_that_ends_with_a_full_stop_gets_no_other() -> None:
+    message = Message("{path} cannot be read: {why}. So it is left out.", "{remedy}.")
+    values = {"path": "a..b", "why": "It is empty.", "remedy": "Fill it."}
+    said = message(**values)
+    assert said == "a..b cannot be read: It is empty. So it is left out. Fill it."
+    assert message.fault("", **values).remedy == "Fill it."
+    assert message.is_in(said, **values)
+    assert message.is_in(said)
+    assert Message("Files: {names}.csv")(names="a.") == "Files: a..csv"

@@ -8,6 +8,7 @@ code fills in.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from string import Formatter
 from typing import Any
@@ -16,6 +17,7 @@ from grainfit.errors import Fault
 
 #: Regular expressions of what fills in a field, and of white space.
 _ANYTHING, _SPACE = r"(?s:.*?)", r"\s+"
+_FULL_STOP = re.compile(r"\.(?=\s|$)")
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,8 @@ class Message:
     True
     >>> TOO_LARGE.is_in("radius: is 5 mm. Give 3 mm at most.", limit=4)
     False
+    >>> Message("cannot be read: {why}.")(why="It is empty.")
+    'cannot be read: It is empty.'
     """
 
     text: str
@@ -50,11 +54,11 @@ class Message:
 
     def __call__(self, **values: Any) -> str:
         """Return the text with its remedy, filled in."""
-        return f"{self.text} {self.remedy}".rstrip().format(**values)
+        return _filled(f"{self.text} {self.remedy}".rstrip(), values)
 
     def fault(self, key: str, /, **values: Any) -> Fault:
         """Return the fault of a key of the user's input, ``""`` where it has none."""
-        return Fault(key, self.text.format(**values), self.remedy.format(**values))
+        return Fault(key, _filled(self.text, values), _filled(self.remedy, values))
 
     @property
     def fields(self) -> frozenset[str]:
@@ -74,12 +78,13 @@ class Message:
         assert values.keys() <= self.fields, values.keys() - self.fields
         is_of_text = values.keys() <= _fields(self.text)
         template = self.text if is_of_text else f"{self.text} {self.remedy}"
-        found = ""
+        found = shown = ""
         for text, name, form, conversion in Formatter().parse(template):
-            found += _spaced(text)
+            found += _spaced(_behind(shown, text))
+            shown = ""
             if name is not None and _root(name) in values:
-                field = f"{name}!{conversion}" if conversion else name
-                found += _spaced(f"{{{field}:{form}}}".format(**values))
+                shown = _shown(name, form, conversion, values)
+                found += _spaced(shown)
             elif name is not None:
                 found += _ANYTHING
         # A field at the end may be empty, and the space before it is gone then.
@@ -90,6 +95,29 @@ class Message:
     def is_in(self, output: str, **values: Any) -> bool:
         """Return whether a text has this message with these values, be its lines broken or not."""
         return re.search(self.matching(**values), output) is not None
+
+
+def _filled(template: str, values: Mapping[str, Any]) -> str:
+    """Fill in a template; after a value that ends with a full stop there is no other."""
+    found = template.format(**values)
+    if ".." not in found:
+        return found
+    found = shown = ""
+    for text, name, form, conversion in Formatter().parse(template):
+        found += _behind(shown, text)
+        shown = "" if name is None else _shown(name, form, conversion, values)
+        found += shown
+    return found
+
+
+def _shown(name: str, form: str | None, conversion: str | None, values: Mapping[str, Any]) -> str:
+    field = f"{name}!{conversion}" if conversion else name
+    return f"{{{field}:{form}}}".format(**values)
+
+
+def _behind(shown: str, text: str) -> str:
+    """Return the text behind a value, without its full stop where the value ends with one."""
+    return text[1:] if shown.endswith(".") and _FULL_STOP.match(text) else text
 
 
 def _fields(template: str) -> frozenset[str]:

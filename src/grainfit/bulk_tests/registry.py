@@ -70,7 +70,7 @@ def _load(point: Any) -> type[BulkTest]:
     try:
         test: Any = point.load()
     except Exception as error:
-        reason = error_in_words(error)
+        reason = error_in_words(error).removesuffix(".")
         raise _fault(point, f"{point.value} cannot be loaded: {reason}.") from error
     is_test = isinstance(test, type) and issubclass(test, BulkTest)
     if is_test and (sentence := incomplete("bulk test", point.value, test.missing())):

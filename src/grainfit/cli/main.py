@@ -78,6 +78,6 @@ def _with_json() -> int:
 def _known(error: GrainfitError | MemoryError) -> GrainfitError:
     if isinstance(error, GrainfitError):
         return error
-    reason = " ".join(str(error).split()).rstrip(".")
+    reason = " ".join(str(error).split())
     why = f": {reason[:1].lower()}{reason[1:]}" if reason else ""
     return GrainfitError(messages.NO_MEMORY(why=why))

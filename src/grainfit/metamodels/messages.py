@@ -26,6 +26,7 @@ BLOWN_UP_RUNS = Message(
 FEW_RESPONSES = Message("only {known} of {runs} gave the response {name!r}, at {places}")
 FEW_PLACES = Message("{runs} gave the response {name!r}, at only {places}")
 NO_METAMODEL = Message("{few}, and {needed} are needed for its metamodel.{because}")
+FAILURES = Message("Failures: {reasons}.")
 
 # Reasons not to trust a metamodel.
 SAME_VALUE = Message(

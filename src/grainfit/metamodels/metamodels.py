@@ -537,8 +537,9 @@ def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str
         few = messages.FEW_RESPONSES(known=len(known), runs=runs, name=name, places=where)
     else:
         few = messages.FEW_PLACES(runs=counted(len(known), "run"), name=name, places=where)
-    reasons = sorted({reason for e in evaluations for reason in e.failures.values()})
-    because = f" Failures: {'; '.join(reasons[:3])}." if reasons else ""
+    failures = {reason for e in evaluations for reason in e.failures.values()}
+    reasons = "; ".join(reason.removesuffix(".") for reason in sorted(failures)[:3])
+    because = f" {messages.FAILURES(reasons=reasons)}" if failures else ""
     short = [about_short_curves(c, evaluations) for c in problem.curves if c.name == name]
     why = messages.NO_METAMODEL(few=few, needed=needed, because=because)
     raise RunFailedError(" ".join([why, *filter(None, short)]))

@@ -174,13 +174,11 @@ def failure_remarks(tests: Collection[str], evaluations: Sequence[Evaluation]) -
         reasons = [e.failures[test] for e in evaluations if test in e.failures]
         if reasons:
             share = f"{len(reasons)} of {counted(len(evaluations), 'run')}"
-            reason = reasons[0].rstrip(".")
+            reason = reasons[0]
             remarks.append(messages.RUNS_DO_NOT_COUNT(test=test, share=share, reason=reason))
     return remarks
 
 
 def _why_failed(test: str, evaluations: Sequence[Evaluation]) -> str:
     reasons = [e.failures[test] for e in evaluations if test in e.failures]
-    return (
-        messages.RUNS_FAILED(reason=reasons[0].rstrip(".")) if reasons else messages.TOO_FEW_RUNS()
-    )
+    return messages.RUNS_FAILED(reason=reasons[0]) if reasons else messages.TOO_FEW_RUNS()

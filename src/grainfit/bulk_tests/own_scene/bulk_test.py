@@ -374,9 +374,7 @@ class OwnScene(BulkTest):
             try:
                 self._set(_planned=(dict(material), self.scene(material, 1)))
             except RunFailedError as error:
-                raise InputError(
-                    messages.NO_SCENE.fault("scene", reason=error.reason.rstrip("."))
-                ) from error
+                raise InputError(messages.NO_SCENE.fault("scene", reason=error.reason)) from error
         assert self._planned is not None
         return self._planned[1]
 

@@ -146,7 +146,7 @@ class GiveUp:
 
     def _give_up(self, executor: BlockProviderExecutor, why: str) -> None:
         folder = self._provider.script_dir
-        reason = messages.NO_JOB_STARTS(reason=why.rstrip("."), folder=folder)
+        reason = messages.NO_JOB_STARTS(reason=why, folder=folder)
         executor.set_bad_state_and_fail_all(ExecutorError(reason))
 
 

@@ -101,16 +101,17 @@ def fill(request: Mapping[str, Any], folder: Path, begin: Callable[[str], Any]) 
 
 def fault_of(error: Exception, where: str) -> tuple[str, str, str]:
     """Return key, message and remedy of the fault of a template."""
+    reason = str(error).removesuffix(".")
     if isinstance(error, jinja2.TemplateSyntaxError):
         key = f"{error.name or where}, line {error.lineno}"
-        return key, f"is not a valid template: {error}.", ""
+        return key, f"is not a valid template: {reason}.", ""
     if isinstance(error, jinja2.TemplateNotFound):
         return where, f"there is no template {error.name!r} in the folder.", ""
     if isinstance(error, UnicodeDecodeError):
         return where, "is not a text in UTF-8.", "Only texts can be templates."
     if isinstance(error, MemoryError):
         return where, f"cannot be filled in{_within()}.", "Shorten its loops and texts."
-    return f"{where}{_line(error)}", f"cannot be filled in: {error}.", ""
+    return f"{where}{_line(error)}", f"cannot be filled in: {reason}.", ""
 
 
 def _reader(model: str) -> Callable[[str], bytes]:
