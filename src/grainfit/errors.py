@@ -9,8 +9,8 @@ from typing import Literal
 
 from grainfit.one_line import shortened
 
-#: Beginning of the key of a test, which counts from zero.
-_TEST = re.compile(r"^test\[(\d+)\](\.|$)")
+#: Beginning of the key of a test or a hold-out, which count from zero.
+_TEST = re.compile(r"^(test|holdout)\[(\d+)\](\.|$)")
 
 
 class GrainfitError(Exception):
@@ -59,7 +59,9 @@ class Fault:
     @property
     def place(self) -> str:
         """The key for readers, who count tests from one: ``test 1, targets.angle``."""
-        return _TEST.sub(lambda found: f"test {int(found[1]) + 1}{', ' * bool(found[2])}", self.key)
+        return _TEST.sub(
+            lambda found: f"{found[1]} {int(found[2]) + 1}{', ' * bool(found[3])}", self.key
+        )
 
     def __str__(self) -> str:
         text = f"{self.place}: {self.message}" if self.key else self.message
@@ -86,7 +88,7 @@ class InputError(GrainfitError, ValueError):
     @property
     def reasons(self) -> str:
         """All faults with their keys and without remedies, as a part of a sentence."""
-        return "; ".join(f"{f.key}: {f.message}" if f.key else f.message for f in self.faults)
+        return "; ".join(f"{f.place}: {f.message}" if f.key else f.message for f in self.faults)
 
     @classmethod
     def raise_for(cls, faults: Iterable[Fault]) -> None:

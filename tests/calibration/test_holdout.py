@@ -379,11 +379,11 @@ def test_faults_of_a_hold_out_name_its_line(tmp_path: Path) -> None:
         return str(refused.value)
 
     same = HELD.replace('"drum"', '"heap"').replace("FLOW", "10")
-    assert "line 11, holdout[0].name" in fault(FILE, same)
+    assert "line 11, holdout 1, name" in fault(FILE, same)
     curve = HELD.partition("targets")[0] + 'targets.flow = { curve = "flow.csv" }\n'
     assert of_calibration_file.NO_UNCERTAINTY_OF_CURVE.is_in(fault(FILE, curve))
     wrong = HELD.replace("model.py:drum", "7").replace("FLOW", "10")
-    assert "holdout[0].function" in fault(FILE, wrong)
+    assert "holdout 1, function" in fault(FILE, wrong)
 
 
 def test_intervals_of_predictions_hold_what_they_state() -> None:

@@ -10,7 +10,7 @@ import pytest
 import grainfit as gf
 from grainfit.bulk_tests.shear import messages
 from grainfit.calibration_file.load import load_calibration_file
-from grainfit.errors import Fault
+from grainfit.errors import Fault, InputError
 from grainfit.solvers.other_names import OTHER_TESTS, instead_of_program, instead_of_test
 from grainfit.solvers.registry import types_of_test
 
@@ -105,6 +105,8 @@ def test_other_text_that_is_no_toml_is_quoted_from_the_reader(tmp_path: Path) ->
 def test_tests_are_counted_from_one_for_readers(tmp_path: Path) -> None:
     assert ", test 1, type: is 'heep'" in message(tmp_path, 'type = "heap"', 'type = "heep"')
     assert str(Fault("test[1]", "is bad.")) == "test 2: is bad."
+    assert str(Fault("holdout[0].name", "is bad.")) == "holdout 1, name: is bad."
+    assert InputError(Fault("test[0].type", "is bad.")).reasons == "test 1, type: is bad."
     assert str(Fault("test[0].'test[0]'", "is bad.")) == "test 1, 'test[0]': is bad."
 
 
