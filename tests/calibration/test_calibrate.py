@@ -508,6 +508,21 @@ def test_units_that_mean_the_same_and_words_for_people_are_accepted(
         in_units(gf.Target(**{"name": "angle_of_repose", "value": 22.0, **target}))
 
 
+def test_an_interrupted_calibration_says_nothing_of_what_would_decide_it() -> None:
+    made = 0
+
+    def stopped(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        nonlocal made
+        made += 1
+        if made == 8:
+            raise KeyboardInterrupt
+        return {name: value + seed % 9 for name, value in drum(parameters, seed).items()}
+
+    result = gf.calibrate(problem(), stopped)
+    assert result.parameters
+    assert not any(reason.gives_probability for reason in result.reasons)
+
+
 @pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_with_an_interrupted_result_and_a_restart_goes_on(tmp_path: Path) -> None:
     made = 0

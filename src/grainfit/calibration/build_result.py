@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
@@ -24,6 +24,7 @@ from grainfit.result import CurveResult, ResponseResult, Result, RunCounts, RunS
 from grainfit.strategies.answer import Answer
 from grainfit.strategies.base import Search
 from grainfit.student import LEVEL
+from grainfit.verdict.reasons import Reason
 from grainfit.verdict.rule import Status
 
 
@@ -95,10 +96,18 @@ def make_result(
         units={parameter.name: parameter.unit for parameter in problem.parameters},
         out_of_reach=answer.out_of_reach if answer else (),
         metamodels=answer.quality if answer else {},
-        reasons=outcome.reasons if outcome else (),
+        reasons=_reasons(outcome, ending.status) if outcome else (),
         other_notices=tuple(notices),
         history=tuple(_summary(evaluation) for evaluation in evaluations),
     )
+
+
+def _reasons(outcome: JudgedAnswer, status: Status) -> tuple[Reason, ...]:
+    """Return the reasons; what would decide an undecided answer is none of an interrupted one."""
+    if status != "interrupted":
+        return outcome.reasons
+    interrupted = replace(outcome.judgement, status=status)
+    return replace(outcome, judgement=interrupted).reasons
 
 
 def _responses(problem: Problem, outcome: JudgedAnswer) -> dict[str, ResponseResult]:
