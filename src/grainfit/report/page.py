@@ -31,6 +31,7 @@ def write_report(
     output: str | Path | None = None,
     *,
     on_progress: Callable[[str], None] | None = None,
+    on_warning: Callable[[str], None] | None = None,
 ) -> Path:
     """Write the report of the calibration in a work folder: one HTML file, complete or absent.
 
@@ -45,6 +46,8 @@ def write_report(
         The file to write; ``report.html`` in the folder by default.
     on_progress : callable, optional
         Called with a few words before each step.
+    on_warning : callable, optional
+        Called with the reason why the result cannot be used, if it cannot.
 
     Returns
     -------
@@ -67,6 +70,8 @@ def write_report(
         page = render_page(ReportContext(reading, analysis))
     path = Path(output) if output is not None else reading.folder / REPORT_NAME
     _write(path, page)
+    if reading.result_fault and on_warning is not None:
+        on_warning(reading.result_fault)
     return path
 
 

@@ -46,19 +46,9 @@ def report(
     """
     require_kind(output, ".pdf" if sheet else ".html")
     require_free(output, force=force)
-    path = _write_sheet(workdir, output) if sheet else _write_as_asked(workdir, output)
+    path = _write_sheet(workdir, output) if sheet else _write(workdir, output)
     if open_it:
         open_in_browser(path)
-
-
-def _write_as_asked(workdir: Path, output: Path | None) -> Path:
-    """Write the report, and warn of a result that cannot be used."""
-    path = _write(workdir, output)
-    from grainfit.work_folder.saved_calibration import SavedCalibration
-
-    if fault := SavedCalibration.open(workdir).result_fault:
-        show.print_warning(err, fault)
-    return path
 
 
 def _write_sheet(workdir: Path, output: Path | None) -> Path:
@@ -83,13 +73,19 @@ def report_at_end(workdir: Path) -> Iterator[None]:
 
 def _write(workdir: Path, output: Path | None = None) -> Path:
     """Write the report and show its progress, because it takes some seconds."""
+    warnings: list[str] = []
     with err_remarks.status("report") as status:
         from grainfit.report.page import write_report
 
         path = write_report(
-            workdir, output, on_progress=lambda section: status.update(f"report: {section}")
+            workdir,
+            output,
+            on_progress=lambda section: status.update(f"report: {section}"),
+            on_warning=warnings.append,
         )
     out_remarks.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
+    for warning in warnings:
+        show.print_warning(err, warning)
     return path
 
 
