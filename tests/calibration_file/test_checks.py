@@ -51,7 +51,7 @@ def scene(material, sizes, seed, gravity, time_step):
     return Scene(
         title="gate", material=material, sizes=sizes, particles=particles,
         box=Box((-0.1, -0.1, -0.1), (0.1, 0.1, 2 * top)),
-        walls={"gate": Wall(Plane("z", top))}, stages=(fill,),
+        walls={"gate": Wall(Plane("z", top, upwards=False))}, stages=(fill,),
         gravity=gravity, time_step=time_step, quiet_speed=0.01, check_interval=0.01,
     )
 """

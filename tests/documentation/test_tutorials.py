@@ -81,7 +81,7 @@ def test_the_file_of_the_pellets_is_written_changed_and_checked(
 
     assert Path("pellets.preview.html").is_file()
     page = (ROOT / "docs" / "tutorials" / "pellets.md").read_text(encoding="utf-8")
-    for quoted in ("particle.density is free, 850 kg/m^3 to 1050 kg/m^3", "about 27,478 steps"):
+    for quoted in ("particle.density is free, 850 kg/m^3 to 1050 kg/m^3", "about 29,373 steps"):
         assert quoted in page
         assert quoted in printed
 

@@ -174,7 +174,7 @@ def test_section_and_figure_have_points_and_lines(calibrated: tuple[Result, Path
 def test_one_stress_has_neither_section_nor_figure(calibrated: tuple[Result, Path]) -> None:
     saved = gf.open(calibrated[1])
     one = replace(
-        saved, problem=replace(saved.problem, targets=saved.problem.targets[:1], tests=())
+        saved, problem=replace(saved.problem.with_targets(saved.problem.targets[:1]), tests=())
     )
     assert yield_locus(ReportContext(one, Analysis())) is None
     with pytest.raises(InputError, match=messages.NO_YIELD_LOCUS()):
