@@ -139,22 +139,16 @@ def predict(
     place = Path(answer_of or default_workdir(setup.file.path))
     saved = SavedCalibration.open(place) if answer_of is None or place.is_dir() else None
     holdouts = _chosen(setup, tests)
-    remarks = setup.outside(settings)
-    usual, is_kept, is_own = simulations_folder(setup.file.path), False, True
     if saved is None:
         material = material_of_file(setup, place, settings)
+        asked = _Asked(material, tuple(setup.outside(settings)))
     else:
-        usual, is_own = place, saved.source == setup.file.path.name
-        answer = answer_for(setup, saved, settings)
-        material = _material(setup, saved, answer, settings)
-        others = _others(setup, answer, material)
-        remarks += [*in_place_of_fixed(setup, answer, settings), *others]
-        if not is_own:
-            remarks.append(messages.OF_ANOTHER_FILE(file=setup.file.path.name, folder=str(place)))
-        is_kept = is_own and not others
+        asked = _asked_of_calibration(setup, saved, settings)
         fitted = {one.definition.model_hash: one.test for one in saved.records.values()}
         require_not_fitted(saved.problem, fitted, holdouts)
+    material = asked.material
     require_holdouts(material.problem, {}, holdouts)
+    usual = simulations_folder(setup.file.path) if saved is None else place
     folder = Path(workdir or usual).absolute()
     with ExitStack() as stack:
         executor = None
@@ -165,10 +159,8 @@ def predict(
         file = HoldoutFile(folder)
         finished = sum(state == "finished" for state in store.states().values())
         text = setup.provenance.text
-        # Hold-outs of the same name in two files are two.
-        prefix = "" if is_own else f"{setup.file.path.name}: "
         known = {
-            one.name: file.register(prefix + one.name, one.measured, text, finished)
+            one.name: file.register(asked.of_file + one.name, one.measured, text, finished)
             for one in holdouts
         }
 
@@ -182,9 +174,44 @@ def predict(
         found = []
         for one in holdouts:
             found.append(predict_holdout(one, material, file, make, show(one), known[one.name]))
-            if saved is not None and is_kept and folder == saved.folder.absolute():
+            if saved is not None and asked.is_kept and folder == saved.folder.absolute():
                 _keep(saved, found)
-    return Predictions(str(place), tuple(found), tuple(remarks))
+    return Predictions(str(place), tuple(found), asked.remarks)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A material, and what of it is another than the answer of a calibration.
+
+    Parameters
+    ----------
+    material : Material
+        The material.
+    remarks : tuple of str
+        What is another.
+    is_kept : bool
+        Whether predictions belong to the result of the calibration.
+    of_file : str
+        What the names of hold-outs begin with in registrations: those of two files are two.
+    """
+
+    material: Material
+    remarks: tuple[str, ...]
+    is_kept: bool = False
+    of_file: str = ""
+
+
+def _asked_of_calibration(
+    setup: CalibrationSetup, saved: SavedCalibration, settings: Sequence[str]
+) -> _Asked:
+    """Return the material of a calibration, for the tests of a file."""
+    file, answer = setup.file.path.name, answer_for(setup, saved, settings)
+    material = _material(setup, saved, answer, settings)
+    others, is_own = _others(setup, answer, material), saved.source == file
+    foreign = [] if is_own else [messages.OF_ANOTHER_FILE(file=file, folder=str(saved.folder))]
+    fixed = in_place_of_fixed(setup, answer, settings)
+    remarks = (*setup.outside(settings), *fixed, *others, *foreign)
+    return _Asked(material, remarks, is_own and not others, "" if is_own else f"{file}: ")
 
 
 def _chosen(setup: CalibrationSetup, names: Sequence[str]) -> list[Holdout]:
