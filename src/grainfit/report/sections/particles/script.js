@@ -143,14 +143,19 @@
     let gluedSprites = null;
     let waiting = false;
 
+    const sized = () => {
+      const scale = window.devicePixelRatio || 1;
+      const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((length) =>
+        Math.round(length * scale),
+      );
+      return { scale, width, height, isNew: canvas.width !== width || canvas.height !== height };
+    };
     const draw = () => {
       waiting = false;
       sprites ??= Array.from({ length: BINS }, (_, i) => makeSprite(colour(i / (BINS - 1))));
       gluedSprites ??= glued.map((set) => makeSprite(set.colour));
-      const scale = window.devicePixelRatio || 1;
-      const width = Math.round(canvas.clientWidth * scale);
-      const height = Math.round(canvas.clientHeight * scale);
-      if (canvas.width !== width || canvas.height !== height) {
+      const { scale, width, height, isNew } = sized();
+      if (isNew) {
         canvas.width = width;
         canvas.height = height;
       }
@@ -327,7 +332,11 @@
     });
     // At once: a drawing that takes another's place would be empty for a moment.
     draw();
-    new ResizeObserver(redraw).observe(canvas);
+    new ResizeObserver(() => {
+      if (sized().isNew) {
+        redraw();
+      }
+    }).observe(canvas);
     const repaint = () => {
       if (canvas.isConnected) {
         redraw();
