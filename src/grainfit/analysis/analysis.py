@@ -163,8 +163,10 @@ def _fitted_and_sampled(
     if last is None or last[0] != asked:
         fitted = fit_runs(problem, evaluations, seed=seed, answer=answer)
         reduced = fitted.reduced
-        succeeds = _feasibility(problem, evaluations).is_likely
-        posterior = None if reduced is None else sample_posterior(reduced, succeeds, seed=seed)
+        posterior = None
+        if reduced is not None:
+            succeeds = _feasibility(problem, evaluations).is_likely
+            posterior = sample_posterior(reduced, succeeds, seed=seed)
         last = _last = asked, (fitted, posterior)
     return last[1]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from functools import partial
 from os import PathLike
@@ -36,7 +36,7 @@ from grainfit.campaign.store.source import open_source
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.unused_source import why_unused
 from grainfit.campaign.work_folder import RESULT_NAME, recover
-from grainfit.errors import Fault, InputError, StoreError
+from grainfit.errors import Fault, InputError
 from grainfit.ground_messages import CANNOT_BE_WRITTEN
 from grainfit.one_thread import one_thread
 from grainfit.problem import Problem
@@ -257,7 +257,7 @@ def calibrate(
             options = replace(
                 options,
                 live_file=stack.enter_context(LiveFile(folder)),
-                earlier_result=_earlier_result(folder / RESULT_NAME),
+                result_file=folder / RESULT_NAME,
             )
         near_seed = seed if near_runs and chosen.uses_relatives else None
         unused = [*_take_from(_sources(runs_from), problem, solvers, cheaper, runs, near_seed)]
@@ -349,13 +349,6 @@ def _shown(on_progress: Callable[[Progress], None] | None) -> Iterator[Callable[
                 on_progress(progress)
 
         yield show
-
-
-def _earlier_result(path: Path) -> Result | None:
-    """Return the result in a work folder; None where none can be read."""
-    with suppress(StoreError):
-        return Result.from_json(path)
-    return None
 
 
 def _keep(result: Result, folder: Path | None) -> Result:

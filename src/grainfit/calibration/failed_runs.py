@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from grainfit.calibration import messages
-from grainfit.evaluation import ALL_RUNS, Evaluation
+from grainfit.evaluation import Evaluation
 from grainfit.formatting import rounded_off, value_with_unit
 from grainfit.problem import Problem, TestScope
 
@@ -29,14 +29,14 @@ def about_failed_runs(problem: Problem, evaluations: Sequence[Evaluation]) -> It
     telling = [e for e in evaluations if not e.failed_by_machine]
     for scope in problem.scopes:
         own = [e for e in telling if e.proposal.asks_for(scope.name)]
-        reasons = [_reason(e, scope.name) for e in own]
-        failed = [e for e, reason in zip(own, reasons, strict=True) if reason is not None]
-        if len(failed) < _FEWEST or len(failed) == len(own):
+        failed = [e for e in own if e.failed_in(scope.name)]
+        fine = [e for e in own if not e.failed_in(scope.name)]
+        if len(failed) < _FEWEST or not fine:
             continue
-        where = _on_one_side(problem, scope, own, failed)
+        where = _on_one_side(problem, scope, failed, fine)
         if where is None and len(failed) < _MANY * len(own):
             continue
-        (why, _), *_ = Counter(filter(None, reasons)).most_common(1)
+        [(why, _)] = Counter(e.why_failed(scope.name) for e in failed).most_common(1)
         yield messages.RUNS_FAILED(
             failed=len(failed),
             runs=len(own),
@@ -46,19 +46,10 @@ def about_failed_runs(problem: Problem, evaluations: Sequence[Evaluation]) -> It
         )
 
 
-def _reason(evaluation: Evaluation, test: str) -> str | None:
-    """Return why the run of a test failed, or of the only one; None where it did not."""
-    failures = evaluation.failures
-    if not test:
-        return next(iter(failures.values()), None)
-    return failures.get(test, failures.get(ALL_RUNS))
-
-
 def _on_one_side(
-    problem: Problem, scope: TestScope, own: Sequence[Evaluation], failed: Sequence[Evaluation]
+    problem: Problem, scope: TestScope, failed: Sequence[Evaluation], fine: Sequence[Evaluation]
 ) -> str | None:
     """Return the parameter that parts the runs that failed from all others, with its limit."""
-    fine = [e for e in own if e not in failed]
     for parameter in problem.parameters:
         if parameter.name not in scope.parameters:
             continue

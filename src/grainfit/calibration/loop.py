@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from itertools import accumulate
+from pathlib import Path
 from typing import Any
 
 from grainfit.calibration import messages
@@ -61,7 +62,7 @@ _PART = 4
 class LoopOptions:
     """Options of a calibration loop, see `grainfit.calibrate`.
 
-    ``earlier_result`` is that in the work folder.
+    ``result_file`` is that of the work folder, of an earlier start.
     """
 
     name: str
@@ -73,7 +74,7 @@ class LoopOptions:
     live_file: LiveFile | None = None
     twins: Twins | None = None
     near_runs: bool = True
-    earlier_result: Result | None = None
+    result_file: Path | None = None
 
 
 class CalibrationLoop:
@@ -119,7 +120,7 @@ class CalibrationLoop:
         self._recorded: deque[RequestRecord] = deque()
         #: Whether Ctrl-C has left the result of an earlier start as it is.
         self.earlier_stays = False
-        #: Requests of earlier starts whose runs have ended.
+        #: Number of requests of earlier starts whose runs had ended.
         self._ended_before = 0
         self._started = time.monotonic()
         self._definition = self._define()
@@ -240,8 +241,9 @@ class CalibrationLoop:
         """Write the start to the store, and recall known runs and requests of earlier starts."""
         recorded = self._requests_of_earlier_starts()
         self._recorded.extend(recorded)
-        ended = {run for run, state in self._store.states().items() if state in _ENDED}
-        self._ended_before = sum(ended.issuperset(one.runs.values()) for one in recorded)
+        if recorded:
+            ended = {run for run, state in self._store.states().items() if state in _ENDED}
+            self._ended_before = sum(ended.issuperset(one.runs.values()) for one in recorded)
         known = self._known = self._runs_known_before()
         runs = [run for evaluation in known for run in evaluation.runs.values()]
         runs += self._near.identities
@@ -293,9 +295,14 @@ class CalibrationLoop:
     @property
     def _better_result(self) -> Result | None:
         """The result of an earlier start, if it rests on more runs than are recalled yet."""
-        found = self._options.earlier_result
-        is_better = len(self._evaluations) < self._ended_before
-        return found if found and is_better and found.identity == self._identity else None
+        path = self._options.result_file
+        if path is None or len(self._evaluations) >= self._ended_before:
+            return None
+        try:
+            found = Result.from_json(path)
+        except StoreError:
+            return None
+        return found if found.identity == self._identity else None
 
     def _requests_of_earlier_starts(self) -> list[RequestRecord]:
         recorded = self._store.requests(self._identity)

@@ -99,7 +99,16 @@ class Evaluation(OneLine):
 
     def failed_in(self, test: str) -> bool:
         """Return True if the run of a test failed, or a run whose test is not known."""
-        return test in self.failures or (not self.runs and ALL_RUNS in self.failures)
+        return self.why_failed(test) is not None
+
+    def why_failed(self, test: str) -> str | None:
+        """Return why the run of a test failed, or a run whose test is not known; None if neither.
+
+        The only test of a calibration without several may be called ``""``.
+        """
+        if not test:
+            return next(iter(self.failures.values()), None)
+        return self.failures.get(test, None if self.runs else self.failures.get(ALL_RUNS))
 
     def without(self, tests: Collection[str]) -> Evaluation:
         """Return the evaluation without the runs of some tests, of a calibration with several."""

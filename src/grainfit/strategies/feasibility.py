@@ -87,7 +87,7 @@ class _TestFeasibility:
         self.name = scope.name
         self._axes = problem.axes_of(scope)
         own = [e for e in evaluations if e.proposal.asks_for(scope.name)]
-        failed = [e.failed_in(scope.name) if problem.tests else bool(e.failures) for e in own]
+        failed = [e.failed_in(scope.name) for e in own]
         self._failed = np.array(failed, dtype=float)
         points = [problem.to_unit(e.proposal.parameters)[self._axes] for e in own]
         self._points = np.array(points)

@@ -153,8 +153,8 @@ def _misfits(
     pairs: Sequence[tuple[Kriging, Target]], points: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Expected misfits at points, shape (m, number of pairs)."""
-    expected = [(model.predict(points).mean, target) for model, target in pairs]
-    return np.array([[t.misfit(float(e)) for e in means] for means, t in expected]).T
+    off = [(model.predict(points).mean - t.value) / t.misfit_unit for model, t in pairs]
+    return np.column_stack(off)
 
 
 def _describe(
