@@ -101,6 +101,7 @@ def test_height_is_that_of_a_loose_filling():
 NARROW = messages.NARROW_CONTAINER
 NOT_POSSIBLE = messages.TOO_MANY_PARTICLES
 NO_LENGTH = messages.NO_LENGTH
+NO_WHOLE = messages.NO_WHOLE_NUMBER
 SHORT = messages.SHORT_PERIOD
 
 
@@ -109,6 +110,9 @@ SHORT = messages.SHORT_PERIOD
     [
         (lambda: random_column(MONOSIZE, 9, Round(0.06), -1), "seed", messages.NEGATIVE_SEED),
         (lambda: random_in_tube(MONOSIZE, 9, 0.05, 0.06, -1), "seed", messages.NEGATIVE_SEED),
+        (lambda: random_column(MONOSIZE, 9, Round(0.06), 1.5), "seed", NO_WHOLE),
+        (lambda: random_column(MONOSIZE, 9.5, Round(0.06), 1), "count", NO_WHOLE),
+        (lambda: random_in_tube(MONOSIZE, "9", 0.05, 0.06, 1), "count", NO_WHOLE),
         (lambda: random_in_tube(MONOSIZE, 900, 0.05, 0.06, 1), "particle_count", messages.NO_ROOM),
         (lambda: random_column(MONOSIZE, 0, Round(0.06), 1), "particles", NOT_POSSIBLE),
         (lambda: random_column(MONOSIZE, -5, Round(0.06), 1), "particles", NOT_POSSIBLE),

@@ -72,6 +72,9 @@ _KINDS: Mapping[str, tuple[Any, str]] = {
     "executor": (_TakesTasks | None, "an Executor of concurrent.futures"),
     "provenance": (Provenance | None, "a Provenance object"),
     "on_progress": (Callable | None, "a function of a Progress"),
+    "near_runs": (bool, "True or False"),
+    "retry_failed": (bool, "True or False"),
+    "progress": (bool, "True or False"),
 }
 
 Simulate = (
@@ -208,6 +211,9 @@ def calibrate(
         executor=executor,
         provenance=provenance,
         on_progress=on_progress,
+        near_runs=plain(near_runs),
+        retry_failed=plain(retry_failed),
+        progress=plain(progress),
     )
     solvers = _solvers(simulate)
     max_runs, verification_runs = plain(max_runs), plain(verification_runs)

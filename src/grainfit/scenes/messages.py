@@ -20,6 +20,7 @@ SHORT_PERIOD = Message(
     "Use a longer period; five diameters are usual.",
 )
 NEGATIVE_SEED = Message("{seed} is negative.", "Use 0 or a positive number.")
+NO_WHOLE_NUMBER = Message("is {given!r}.", "Give a whole number.")
 
 # Particles.
 

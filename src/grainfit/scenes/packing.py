@@ -20,6 +20,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes import messages
 from grainfit.scenes.clump_packing import place_clumps
 from grainfit.scenes.spheres import ClumpSpheres, random_orientations
+from grainfit.validation import plain
 
 #: Share of the column's volume that is solid: well below the jamming limit of random sequential
 #: addition (0.38), so that places are found quickly.
@@ -316,10 +317,11 @@ def random_column(sizes: ParticleSizes, count: int, footprint: Footprint, seed: 
     Raises
     ------
     InputError
-        The seed is negative, there are no or too many particles, or the container is narrower than
-        a particle.
+        The seed is negative, there are no or too many particles, either is no whole number, or the
+        container is narrower than a particle.
     """
-    random = np.random.default_rng(_valid(seed))
+    random = _generator(seed)
+    _require_whole("count", count)
     _require_room(sizes, count, footprint)
     height = column_height(sizes, count, footprint)
     period = footprint.period
@@ -400,7 +402,8 @@ def random_in_tube(
     InputError
         The seed is negative, or the particles find no room.
     """
-    random = np.random.default_rng(_valid(seed))
+    random = _generator(seed)
+    _require_whole("count", count)
     _require_lengths(radius=radius, length=length)
     _require_periods(sizes, (length,))
     no_room = InputError(messages.NO_ROOM.fault("particle_count", count=count, radius=radius))
@@ -519,10 +522,18 @@ def _require_periods(sizes: ParticleSizes, periods: Sequence[float]) -> None:
     )
 
 
-def _valid(seed: int) -> int:
+def _generator(seed: int) -> np.random.Generator:
+    """Return the random numbers of a seed; raise `InputError` for one that is not accepted."""
+    _require_whole("seed", seed)
     if seed < 0:
         raise InputError(messages.NEGATIVE_SEED.fault("seed", seed=seed))
-    return seed
+    return np.random.default_rng(seed)
+
+
+def _require_whole(name: str, given: object) -> None:
+    value = plain(given)
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise InputError(messages.NO_WHOLE_NUMBER.fault(name, given=given))
 
 
 def _candidates(
