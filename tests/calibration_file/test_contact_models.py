@@ -217,7 +217,9 @@ def test_a_free_rolling_friction_is_refused_before_a_run_of_yade(tmp_path: Path)
     assert fault.key == "particle_particle.rolling_friction"
 
 
-def test_a_test_from_python_has_too_long_a_time_step_for_linear_springs(tmp_path: Path) -> None:
+def test_a_time_step_that_is_given_is_refused_where_linear_springs_need_a_shorter_one(
+    tmp_path: Path,
+) -> None:
     setup = setup_of(tmp_path, linear())
     intervals = {p.name: (p.minimum, p.maximum) for p in setup.problem.parameters}
     own = setup.solvers["heap"]

@@ -191,7 +191,7 @@ class Stratum:
         material[MODULUS] = inputs[STIFFNESS] / stiffness_number(test, material)
         ends = {name: (value, value) for name, value in material.items()}
         fraction = usual_time_step_fraction(test, ends)
-        return Simulated(replace(test, time_step_fraction=fraction), material)
+        return Simulated(test.with_time_step_fraction(fraction), material)
 
     def apparatus(self, inputs: Mapping[str, float], scale: Scale) -> BulkTest:
         """Return the test in the apparatus of a row, at any scale."""

@@ -30,7 +30,7 @@ from grainfit.materials.diameters import Diameters
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.one_line import OneLine
-from grainfit.options.fields import Amount, option, option_keys, read_options
+from grainfit.options.fields import Amount, Derived, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
 from grainfit.options.tables import Key
 from grainfit.registration import gaps
@@ -99,14 +99,13 @@ class BulkTest(OneLine, ABC):
     gravity: Amount = option(
         Quantity("m/s^2", lowest=LOWEST_GRAVITY), "Gravity.", example="9.81", default=GRAVITY
     )
-    time_step_fraction: Amount = option(
+    time_step_fraction: Amount | None = option(
         Quantity("", highest=1.0, above_zero=True),
-        "Time step over the Rayleigh time step. With larger ones than the default of a calibration "
-        "file, which follows from restitution, rolling, cohesion and the stress on the bed, beds "
-        "may never come to rest, or are too dense.",
+        "Time step over the Rayleigh time step. With larger ones than the default, which follows "
+        "from restitution, rolling, cohesion and the stress on the bed, beds may never come to "
+        "rest, or are too dense.",
         example="0.2",
-        default=TIME_STEP_FRACTION,
-        default_text="what is safe with contact law and bed",
+        default=Derived("what is safe with contact law and bed", lambda _: TIME_STEP_FRACTION),
     )
 
     def __post_init__(self, diameter: Amount | list[dict[str, Amount]] | None) -> None:
@@ -208,7 +207,7 @@ class BulkTest(OneLine, ABC):
 
     def time_step(self, material: Mapping[str, float]) -> float:
         """Return the time step of a run with this material, s."""
-        return time_step(self._sizes_of(material), material, float(self.time_step_fraction))
+        return time_step(self._sizes_of(material), material, self.setup.time_step_fraction)
 
     def of_material(self, material: Mapping[str, float]) -> Self:
         """Return the test with what a material decides: the aspect ratio of its particles."""
@@ -227,6 +226,10 @@ class BulkTest(OneLine, ABC):
             The test is impossible with them; names every option at fault.
         """
         return replace(self, sizes=sizes)
+
+    def with_time_step_fraction(self, fraction: float) -> Self:
+        """Return the test with another share of the Rayleigh time step."""
+        return replace(self, time_step_fraction=fraction)
 
     def scene(self, material: Mapping[str, float], seed: int) -> Scene:
         """Return the experiment with a material.

@@ -22,4 +22,4 @@ class Conditions:
 
 def conditions_of(test: BulkTest) -> Conditions:
     """Return the conditions under which a test uses a material."""
-    return Conditions(test.sizes, float(test.gravity), float(test.time_step_fraction))
+    return Conditions(test.sizes, float(test.gravity), test.setup.time_step_fraction)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 
 from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
@@ -88,7 +87,7 @@ def with_safe_time_step(
 ) -> BulkTest:
     """Return a test with a time step of the usual share at most, see `usual_time_step_fraction`."""
     usual = usual_time_step_fraction(test, intervals, contact_models)
-    return replace(test, time_step_fraction=min(float(test.time_step_fraction), usual))
+    return test.with_time_step_fraction(min(test.setup.time_step_fraction, usual))
 
 
 def _largest_stress(test: BulkTest, material: Mapping[str, float]) -> float:

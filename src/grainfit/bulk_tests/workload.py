@@ -55,5 +55,5 @@ def workload(test: BulkTest, material: Mapping[str, float]) -> Workload:
         steps=math.ceil(test.simulated_time(material) / step),
         particles=test.of_material(material).number_of_particles,
         spheres=1 if clump is None else len(clump),
-        time_step_fraction=float(test.time_step_fraction),
+        time_step_fraction=test.setup.time_step_fraction,
     )

@@ -95,7 +95,10 @@ def relatives_of(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, S
     InputError.raise_for(faults)
     names = {parameter.name for parameter in problem.parameters}
     return {
-        one.name: _without(solvers[test], names.difference(problem.scope_of_test(test).parameters))
+        one.name: _without(
+            solvers[test].within(problem.intervals),
+            names.difference(problem.scope_of_test(test).parameters),
+        )
         for test, one in declared.items()
     }
 
@@ -124,15 +127,16 @@ def used_parameters(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str
 
 
 def restricted(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Solver]:
-    """Return solvers that are passed none of the parameters that only other tests depend on.
+    """Return solvers for a problem, passed none of the parameters that only other tests depend on.
 
     So the runs of a test are the same, and have the same identity, at all values of these.
     """
+    ready = {test: solver.within(problem.intervals) for test, solver in solvers.items()}
     if len(solvers) < 2:
-        return dict(solvers)
+        return ready
     names = {parameter.name for parameter in problem.parameters}
     return {
-        test: _without(solvers[test], names.difference(used))
+        test: _without(ready[test], names.difference(used))
         for test, used in used_parameters(problem, solvers).items()
     }
 
@@ -151,7 +155,7 @@ def restricted_to_used(problem: Problem, solver: Solver) -> tuple[Problem, Solve
         raise InputError(messages.IDLE_TEST.fault(""))
     kept = [parameter for parameter in problem.parameters if parameter.name in used]
     without = Problem(kept, problem.targets, curves=problem.curves)
-    return without, _without(solver, set(names).difference(used))
+    return without, _without(solver.within(problem.intervals), set(names).difference(used))
 
 
 def _test_of(target: str, tests: Collection[str]) -> str:

@@ -126,6 +126,16 @@ class Solver(ABC, OneLine):
         """
         raise TypeError(f"{self.name} has no bulk test, not even {test.type}")
 
+    def within(self, intervals: Mapping[str, tuple[float, float]]) -> Self:  # noqa: ARG002
+        """Return the solver with what follows from the intervals of the free parameters.
+
+        Parameters
+        ----------
+        intervals : mapping of str to tuple of float
+            Bounds of the free parameters, SI; those that it does not have are of no effect.
+        """
+        return self
+
     def filming(self, frames: int, duration: float | None = None) -> Self:
         """Return the solver such that its runs keep frames of the particles; they are the same.
 

@@ -82,12 +82,14 @@ class ParametersFor(Solver):
 
     @override
     def of_test(self, test: BulkTest) -> ParametersFor:
-        return ParametersFor(
-            self.solver.of_test(test),
-            self._fixed,
-            self._takes,
-            depends_on_all=self._depends_on_all,
-        )
+        return self._of(self.solver.of_test(test))
+
+    @override
+    def within(self, intervals: Mapping[str, tuple[float, float]]) -> ParametersFor:
+        return self._of(self.solver.within(self._taken_intervals(intervals)))
+
+    def _of(self, solver: Solver) -> ParametersFor:
+        return ParametersFor(solver, self._fixed, self._takes, depends_on_all=self._depends_on_all)
 
     @property
     @override
@@ -143,12 +145,7 @@ class ParametersFor(Solver):
 
     @override
     def interval_faults(self, intervals: Mapping[str, tuple[float, float]]) -> list[Fault]:
-        fixed = {name: (value, value) for name, value in self._fixed.items()}
-        given = {**fixed, **intervals}
-        takes = self._takes
-        return self.solver.interval_faults(
-            {name: bounds for name, bounds in given.items() if takes is None or takes(name)}
-        )
+        return self.solver.interval_faults(self._taken_intervals(intervals))
 
     @override
     def version(self) -> str:
@@ -177,6 +174,14 @@ class ParametersFor(Solver):
     @override
     def default_timeout(self, parameters: Mapping[str, float]) -> float | None:
         return self.solver.default_timeout(self._taken(parameters))
+
+    def _taken_intervals(
+        self, intervals: Mapping[str, tuple[float, float]]
+    ) -> dict[str, tuple[float, float]]:
+        fixed = {name: (value, value) for name, value in self._fixed.items()}
+        given = {**fixed, **intervals}
+        takes = self._takes
+        return {name: ends for name, ends in given.items() if takes is None or takes(name)}
 
     def _taken(self, parameters: Mapping[str, float]) -> dict[str, float]:
         values = {**self._fixed, **parameters}

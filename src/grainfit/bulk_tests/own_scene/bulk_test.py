@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn, Self
 
-from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest, Checks, read_sizes
+from grainfit.bulk_tests.base import GRAVITY, BulkTest, Checks, read_sizes
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import messages
 from grainfit.bulk_tests.own_scene.checks import forces_after_fill, particles_not_held
@@ -188,7 +188,7 @@ class OwnScene(BulkTest):
         options: Mapping[str, Any] | None = None,
         files: Sequence[str | Path] = (),
         gravity: Amount = GRAVITY,
-        time_step_fraction: Amount = TIME_STEP_FRACTION,
+        time_step_fraction: Amount | None = None,
     ) -> None:
         given = {
             "scene": scene,
@@ -226,7 +226,7 @@ class OwnScene(BulkTest):
             **self._identities(),
             "options": dict(self.options),
             "gravity": self.gravity,
-            "time_step_fraction": self.time_step_fraction,
+            "time_step_fraction": self.setup.time_step_fraction,
         }
 
     def _identities(self) -> Mapping[str, Any]:
@@ -267,14 +267,20 @@ class OwnScene(BulkTest):
 
     def with_targets(self, names: Sequence[str]) -> Self:
         """Return the test that requires these responses of the user's function."""
-        test = copy(self)
-        test._set(targets=tuple(names))
-        return test
+        return self._with(targets=tuple(names))
 
     def with_sizes(self, sizes: ParticleSizes) -> Self:
         """Return the test with other particles."""
+        return self._with(sizes=sizes)
+
+    def with_time_step_fraction(self, fraction: float) -> Self:
+        """Return the test with another share of the Rayleigh time step."""
+        return self._with(time_step_fraction=fraction)
+
+    def _with(self, **values: Any) -> Self:
         test = copy(self)
-        test._set(sizes=sizes)
+        vars(test).pop("setup", None)
+        test._set(**values)
         return test
 
     def executes(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ def large_time_step(context: FileContext) -> Iterator[Found]:
     """Time steps that are too large for the contact law, the restitution, or the soft bed."""
     material = least_stable(context.intervals)
     for name, test in context.bulk_tests.items():
-        fraction = float(test.time_step_fraction)
+        fraction = test.setup.time_step_fraction
         try:
             safe = safe_time_step_fraction(test, material, context.contact_models)
         except InputError:

@@ -169,6 +169,9 @@ class DeckSolver(Solver):
                 *size_faults(law, self.name, is_one_size=one_size),
             ]
         )
+        #: The test as it was given: without a time step, intervals may need a shorter one.
+        self._given_test = test
+        self.test = self._safe({})
         self.ranks = ranks
         self.executable = executable
         #: Frames that a run is to be shown with, and its simulated time if that is known. No part
@@ -195,6 +198,30 @@ class DeckSolver(Solver):
         return type(self)(
             test, self.material, self.ranks, self.executable, self.contact_models, self.walls
         )
+
+    @override
+    def within(self, intervals: Mapping[str, tuple[float, float]]) -> Self:
+        """Return the solver with a time step that is safe in all of the intervals.
+
+        One that was given stays; so does the usual one, if it is short enough.
+        """
+        own = {name: intervals[name] for name in self.depends_on(list(intervals))}
+        test = self._safe(own)
+        return self if test == self.test else self.of_test(test)
+
+    def _safe(self, intervals: Mapping[str, tuple[float, float]]) -> BulkTest:
+        """Return the test as it was given, with a safe time step unless it was given one."""
+        test = self._given_test
+        if test.setup.is_given("time_step_fraction"):
+            return test
+        fixed = {name: (value, value) for name, value in self.material.items()}
+        try:
+            usual = usual_time_step_fraction(test, {**fixed, **intervals}, self.contact_models)
+        except KeyError:
+            # A value is missing, which is said where it is needed.
+            return test
+        shorter = usual < test.setup.time_step_fraction
+        return test.with_time_step_fraction(usual) if shorter else test
 
     @property
     @override
@@ -425,7 +452,7 @@ class DeckSolver(Solver):
         except KeyError:
             # A value is missing, as another message says.
             return []
-        share = float(self.test.time_step_fraction)
+        share = self.test.setup.time_step_fraction
         if share <= safe:
             return []
         return [messages.LONG_TIME_STEP.fault("time_step_fraction", share=share, safe=safe)]
