@@ -5,11 +5,13 @@ and started again.
 
     python benchmarks/clumps.py --kept clumps.jsonl [--seeds 3] [--tests heap]
         [--families two_spheres] [--ratios 1 1.25 1.5 1.75 2] [--rolling 0]
-        [--solvers lammps] [--options '{"cylinder_radius": 0.035}'] [--table]
+        [--solvers lammps] [--options '{"cylinder_radius": 0.035}']
+        [--material '{"particle_particle.restitution": 0.3}'] [--table]
 
 Prints the mean of each response with the scatter of single runs, and the processor time of a run.
 The material is that of the rough spheres of the documentation, with the rolling friction of
-``--rolling`` between particles and on walls. An aspect ratio of 1 is a sphere.
+``--rolling`` between particles and on walls, and the values of ``--material``. An aspect ratio of 1
+is a sphere.
 """
 
 from __future__ import annotations
@@ -50,6 +52,7 @@ class Run(NamedTuple):
     aspect_ratio: float
     solver: str
     options: str
+    material: str
 
 
 def material_of(run: Run) -> Mapping[str, float]:
@@ -63,6 +66,7 @@ def material_of(run: Run) -> Mapping[str, float]:
         **{f"{contact}.rolling_damping": 0.0 for contact in contacts},
         "particle.youngs_modulus": modulus,
         ASPECT_RATIO: run.aspect_ratio,
+        **json.loads(run.material),
     }
 
 
@@ -87,10 +91,11 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
         good = [r["responses"] for r in own if "responses" in r]
         names = good[0] if good else ()
         means = ", ".join(f"{name} {mean_and(_scatter, [r[name] for r in good])}" for name in names)
-        _, test, friction, family, ratio, solver, options = setting
+        _, test, friction, family, ratio, solver, options, material = setting
+        given = " ".join(filter(None, (one.strip("{}") for one in (options, material))))
         seconds = number(float(np.median([r["seconds"] for r in own])), 2)
         yield (
-            f"| {test} {options.strip('{}')} | {family} | {ratio:g} | {friction:g} | {solver} "
+            f"| {test} {given} | {family} | {ratio:g} | {friction:g} | {solver} "
             f"| {len(good)} of {len(own)} | {means} | {seconds} |"
         )
 
@@ -110,12 +115,14 @@ def main() -> None:
     parser.add_argument("--rolling", nargs="+", type=float, default=[0.0])
     parser.add_argument("--solvers", nargs="+", choices=DEM_PROGRAMS, default=["lammps"])
     parser.add_argument("--options", default="{}", help="options of the test, as JSON")
+    parser.add_argument("--material", default="{}", help="values of the material, SI, as JSON")
     parser.add_argument("--table", action="store_true", help="only print what is known")
     given = parser.parse_args()
     if not given.table:
         seeds = range(1, given.seeds + 1)
-        varied = (given.rolling, given.families, given.ratios, given.solvers, [given.options])
-        runs = [Run(*values) for values in product(seeds, given.tests, *varied)]
+        varied = (given.rolling, given.families, given.ratios, given.solvers)
+        texts = ([given.options], [given.material])
+        runs = [Run(*values) for values in product(seeds, given.tests, *varied, *texts)]
         measure(runs, given.kept, record_of)
     print("\n".join(table(read(given.kept, Run))))
 

@@ -8,6 +8,8 @@ from grainfit import Parameter, Problem, Target
 from grainfit.bulk_tests.packing import Packing
 from grainfit.bulk_tests.time_steps import usual_time_step_fraction
 from grainfit.calibration.scopes import restricted, restricted_to_used
+from grainfit.materials.particle_shape import ParticleShape
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.base import Solver
 from grainfit.solvers.dem.program import DeckSolver
 from grainfit.solvers.parameters_for import ParametersFor
@@ -70,3 +72,24 @@ def test_the_lowest_restitution_of_an_interval_decides() -> None:
 def test_linear_springs_need_no_step_of_the_user() -> None:
     assert step_of(packing_of(0.6, ("linear",))) < USUAL
     assert packing_of(0.6, ("linear",)).interval_faults({}) == []
+
+
+def share_of(family: str, ratios: tuple[float, float], restitution: float) -> float:
+    test = Packing(ParticleSizes((0.01,), shape=ParticleShape(family)))
+    material = {**ROUGH_SPHERES, BOUNCE: restitution, "particle_wall.restitution": restitution}
+    ends = {name: (value, value) for name, value in material.items()}
+    return usual_time_step_fraction(test, {**ends, "particle.aspect_ratio": ratios})
+
+
+def test_clumps_whose_spheres_touch_several_at_once_have_a_shorter_step() -> None:
+    # Measured: with 0.12 beds of these grains are 3.5 % too dense, with 0.06 they are not.
+    assert 0.03 <= share_of("grain", (1.2, 1.2), 0.3) <= 0.06
+    assert share_of("two_spheres", (1.5, 1.5), 0.3) == share_of("lens", (1.5, 1.5), 0.3) == USUAL
+    assert share_of("grain", (1.5, 1.5), 0.8) == USUAL
+
+
+def test_the_aspect_ratio_that_needs_the_shortest_step_decides() -> None:
+    nearest = share_of("grain", (1.1, 1.1), 0.5)
+    assert share_of("grain", (1.1, 1.8), 0.5) == nearest < share_of("grain", (1.8, 1.8), 0.5)
+    assert share_of("grain", (1.0, 1.8), 0.5) < nearest
+    assert share_of("grain", (1.0, 1.0), 0.5) == USUAL

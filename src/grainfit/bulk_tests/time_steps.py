@@ -9,6 +9,7 @@ from grainfit.bulk_tests.abilities import user_functions
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import UnderLoad
+from grainfit.contact_models.hertz_mindlin.model import clump_factor
 from grainfit.contact_models.registry import contact_law, simulated_material
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.scenes.packing import mean_particle_volume
@@ -20,6 +21,8 @@ _USUAL_LAYERS = 7.0
 STEPS_BY_MODULUS = 1 / 2 - 1 / 6
 #: Smallest share that is rounded down to a percent.
 _PERCENT = 0.01
+#: Aspect ratio from which on an interval that begins at 1, a sphere, has clumps.
+_NEAR_SPHERES = 1.001
 _LOWER_IS_WORSE = (".restitution", ".youngs_modulus")
 
 
@@ -35,6 +38,27 @@ def least_stable(intervals: Mapping[str, tuple[float, float]]) -> dict[str, floa
         Ends of the interval of every parameter by dotted name; twice the value of a fixed one.
     """
     return {name: e[0] if name.endswith(_LOWER_IS_WORSE) else e[1] for name, e in intervals.items()}
+
+
+def least_safe_fraction(
+    test: BulkTest,
+    intervals: Mapping[str, tuple[float, float]],
+    contact_models: Iterable[str] = (),
+) -> float:
+    """Return the largest share of the Rayleigh time step that is safe within intervals.
+
+    That of `least_stable`; of clumps, at either end of their aspect ratio: near 1 more of their
+    spheres touch at once, and slender ones have smaller spheres.
+    """
+    material = least_stable(intervals)
+    low, high = intervals.get(ASPECT_RATIO, (1.0, 1.0))
+    if low == high:
+        return safe_time_step_fraction(test, material, contact_models)
+    ends = (max(low, _NEAR_SPHERES), high)
+    return min(
+        safe_time_step_fraction(test, {**material, ASPECT_RATIO: ratio}, contact_models)
+        for ratio in ends
+    )
 
 
 def safe_time_step_fraction(
@@ -59,9 +83,11 @@ def safe_time_step_fraction(
     law = contact_law(material, contact_models)
     factor = test.sizes.coarse_graining
     values = material if factor == 1 else simulated_material(material, factor)
-    radius = test.sizes.with_aspect_ratio(material.get(ASPECT_RATIO)).rayleigh_radius
+    sizes = test.sizes.with_aspect_ratio(material.get(ASPECT_RATIO))
+    radius = sizes.rayleigh_radius
     if user_functions(test) or law.cohesion is not None or test.sizes.shape is not None:
-        return min(law.time_step_fraction(values, radius, None), TIME_STEP_FRACTION)
+        factor = 1.0 if sizes.clump is None else clump_factor(values, sizes.clump.touching)
+        return min(factor * law.time_step_fraction(values, radius, None), TIME_STEP_FRACTION)
     return law.time_step_fraction(values, radius, _largest_stress(test, material))
 
 
@@ -73,9 +99,9 @@ def usual_time_step_fraction(
     """Return the default share of the Rayleigh time step of a test in a calibration.
 
     The safe one with every free parameter, rounded down, because it is part of a run's identity.
-    See `least_stable` and `safe_time_step_fraction`.
+    See `least_safe_fraction`.
     """
-    safe = min(safe_time_step_fraction(test, least_stable(intervals), contact_models), 1.0)
+    safe = min(least_safe_fraction(test, intervals, contact_models), 1.0)
     digits = 100 if safe >= _PERCENT else 10_000
     return math.floor(digits * safe + 1e-9) / digits
 

@@ -10,12 +10,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from grainfit.materials.clump_contacts import OVERLAP, Touching, touching_of
+
 #: Lines across the longest side of a clump along which its volume is integrated.
 _LINES = 480
 #: Products of inertia below this share of the largest moment are rounding errors.
 _ROUNDING = 1e-4
-#: Overlap at which contacts of two clumps are counted, over the diameter of their largest sphere.
-_OVERLAP = 0.04
 #: Ratio of times, of two smallest spheres and of two clumps in contact, up to which the usual share
 #: of the Rayleigh time is short enough: a third changes bulk densities by 1 % (docs/clumps.md).
 _COVERED = 1.5
@@ -64,6 +64,13 @@ class Clump:
         """
         return self.smallest_radius * min(1.0, _COVERED / self._stiffest())
 
+    @cached_property
+    def touching(self) -> Touching:
+        """Median contact of two of them, over one that their Rayleigh radius covers."""
+        found = touching_of(self.positions, self.radii, self.moments)
+        share = 2 * self.rayleigh_radius / _COVERED
+        return found._replace(frequency=share * found.frequency)
+
     def _stiffest(self) -> float:
         """Return the largest ratio of times: of two smallest spheres, and of two clumps in contact.
 
@@ -77,9 +84,9 @@ class Clump:
         apart = ((self.positions[:, None] - self.positions) ** 2).sum(axis=2)
         beside = apart - (along[:, :, None] - along[:, None, :]) ** 2
         pair = 2 * radii[:, None] * radii / (radii[:, None] + radii)
-        whole = 2 * largest * _OVERLAP
+        whole = 2 * largest * OVERLAP
         overlap = whole - behind[:, :, None] - behind[:, None, :] - beside / (4 * pair)
-        of_pairs = np.sqrt(np.maximum(overlap, 0.0) * pair / (2 * _OVERLAP))
+        of_pairs = np.sqrt(np.maximum(overlap, 0.0) * pair / (2 * OVERLAP))
         stiffness = of_pairs.sum(axis=(1, 2)).max()
         # A sphere of diameter 1 has the mass of the clump, and a stiffness of 1/2.
         return self.smallest_radius * math.sqrt(8 * float(stiffness))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grainfit.bulk_tests.time_steps import least_stable, safe_time_step_fraction
+from grainfit.bulk_tests.time_steps import least_safe_fraction
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
@@ -14,11 +14,10 @@ from grainfit.errors import InputError
 @check("large-time-step", "warning")
 def large_time_step(context: FileContext) -> Iterator[Found]:
     """Time steps that are too large for the contact law, the restitution, or the soft bed."""
-    material = least_stable(context.intervals)
     for name, test in context.bulk_tests.items():
         fraction = test.setup.time_step_fraction
         try:
-            safe = safe_time_step_fraction(test, material, context.contact_models)
+            safe = least_safe_fraction(test, context.intervals, context.contact_models)
         except InputError:
             # Another message says that there is no contact law.
             return

@@ -13,6 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from grainfit.materials.clump_contacts import ONE_PAIR, Touching
 from grainfit.materials.walls import same_on_walls
 
 #: Contact time of an elastic impact, divided by largest overlap over speed:
@@ -148,7 +149,9 @@ def safe_time_step(material: Mapping[str, float], stiffness_ratio: float | None 
     return share_by_restitution(material, _SLIDING_DAMPING)
 
 
-def share_by_restitution(material: Mapping[str, float], sliding_damping: float) -> float:
+def share_by_restitution(
+    material: Mapping[str, float], sliding_damping: float, touching: Touching = ONE_PAIR
+) -> float:
     """Return the share of the Rayleigh time step that is safe by the lowest restitution.
 
     Parameters
@@ -157,6 +160,8 @@ def share_by_restitution(material: Mapping[str, float], sliding_damping: float) 
         Values by dotted name. Without both restitutions, a share that is usually safe.
     sliding_damping : float
         Damping ratio of rolling in place over that of a normal impact, of one contact.
+    touching : Touching
+        Contact of two clumps; by default of two spheres.
     """
     names = ("particle_particle.restitution", "particle_wall.restitution")
     found = [same_on_walls(name, material) for name in names]
@@ -164,9 +169,32 @@ def share_by_restitution(material: Mapping[str, float], sliding_damping: float) 
         return _USUALLY_SAFE
     lowest = min(material[name] for names_on_walls in found for name in names_on_walls)
     of_bed = math.sqrt(NEIGHBOURS) * sliding_damping
-    ratios = [of_bed * damping_factor(e) for e in (lowest, _RESTITUTION)]
-    stable = _stable_step(ratios[0]) / _stable_step(ratios[1])
-    return SAFE_SHARE * min(1.0, stable)
+    damping, usual = (of_bed * damping_factor(e) for e in (lowest, _RESTITUTION))
+    stable = _stable_step(touching.damping * damping) / _stable_step(usual)
+    return SAFE_SHARE * min(1.0, stable / touching.frequency)
+
+
+def clump_factor(material: Mapping[str, float], touching: Touching) -> float:
+    """Return the share of the Rayleigh time step that is safe for clumps over that for spheres.
+
+    Several pairs of their spheres touch at once. The dashpots of n of them damp a contact by the
+    root of n more than one of the same stiffness would.
+
+    Parameters
+    ----------
+    material : mapping of str to float
+        Values by dotted name; without both restitutions it is 1.
+    touching : Touching
+        Contact of two clumps.
+
+    Examples
+    --------
+    >>> bounce = {f"particle_{body}.restitution": 0.3 for body in ("particle", "wall")}
+    >>> round(clump_factor(bounce, Touching(1.0, 2.0)), 2)
+    0.55
+    """
+    of_clumps = share_by_restitution(material, _SLIDING_DAMPING, touching)
+    return min(1.0, of_clumps / share_by_restitution(material, _SLIDING_DAMPING))
 
 
 def safe_share(frequency: float, damping_ratio: float) -> float:
