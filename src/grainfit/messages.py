@@ -18,6 +18,7 @@ from grainfit.errors import Fault
 #: Regular expressions of what fills in a field, and of white space.
 _ANYTHING, _SPACE = r"(?s:.*?)", r"\s+"
 _FULL_STOP = re.compile(r"\.(?=\s|$)")
+_TWO_ENDS = re.compile(r"[.?!]\.")
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,8 @@ class Message:
     True
     >>> TOO_LARGE.is_in("radius: is 5 mm. Give 3 mm at most.", limit=4)
     False
-    >>> Message("cannot be read: {why}.")(why="It is empty.")
-    'cannot be read: It is empty.'
+    >>> Message("cannot be read: {why}.")(why="Is it empty?")
+    'cannot be read: Is it empty?'
     """
 
     text: str
@@ -98,9 +99,9 @@ class Message:
 
 
 def _filled(template: str, values: Mapping[str, Any]) -> str:
-    """Fill in a template; after a value that ends with a full stop there is no other."""
+    """Fill in a template; after a value that ends a sentence there is no full stop."""
     found = template.format(**values)
-    if ".." not in found:
+    if _TWO_ENDS.search(found) is None:
         return found
     found = shown = ""
     for text, name, form, conversion in Formatter().parse(template):
@@ -116,8 +117,8 @@ def _shown(name: str, form: str | None, conversion: str | None, values: Mapping[
 
 
 def _behind(shown: str, text: str) -> str:
-    """Return the text behind a value, without its full stop where the value ends with one."""
-    return text[1:] if shown.endswith(".") and _FULL_STOP.match(text) else text
+    """Return the text behind a value, without its full stop where the value ends a sentence."""
+    return text[1:] if shown.endswith((".", "?", "!")) and _FULL_STOP.match(text) else text
 
 
 def _fields(template: str) -> frozenset[str]:

@@ -153,7 +153,7 @@ def test_the_runs_of_an_evaluation_use_all_workers_and_are_kept_one_by_one() -> 
         at_once.append(running._value)
         return {"angle": float(seed)}
 
-    store = RunStore("sqlite://")
+    store = RunStore.in_memory()
     options = CampaignOptions(3, repeats={"drum": 3})
     campaign = Campaign({"drum": PythonCallable(slow)}, store, None, options)
     campaign.start(Proposal({"friction": 0.5}, 4, "design"))
@@ -169,7 +169,7 @@ def test_the_runs_of_an_evaluation_use_all_workers_and_are_kept_one_by_one() -> 
 
 
 def test_known_seeds_are_reused_and_only_the_others_are_run() -> None:
-    store, proposal = RunStore("sqlite://"), Proposal({"friction": 0.5}, 4, "design")
+    store, proposal = RunStore.in_memory(), Proposal({"friction": 0.5}, 4, "design")
     for repeats in (1, 3):
         options = CampaignOptions(repeats={"drum": repeats})
         campaign = Campaign({"drum": PythonCallable(drum)}, store, None, options)

@@ -154,7 +154,7 @@ def test_a_failed_neighbour_costs_nobody_else(tmp_path: Path) -> None:
     bad = Counting(fails="simulation")
     # With the same name, both tests would be one and the same run.
     bad.name = "bad"
-    campaign = Campaign({"good": Counting(), "bad": bad}, RunStore("sqlite://"), tmp_path)
+    campaign = Campaign({"good": Counting(), "bad": bad}, RunStore.in_memory(), tmp_path)
     campaign.start(proposal(3.0))
     [evaluation] = campaign.wait()
     assert evaluation.responses == {"good.double": Response(6.0)}

@@ -64,7 +64,7 @@ def test_an_own_model_runs_in_other_processes(processes: Executor, tmp_path: Pat
     (model / "run.sh").chmod(0o755)
     solver = Command(model, ["./run.sh", "{{ friction }}"])
     options = CampaignOptions(2, executor=processes)
-    campaign = Campaign({"own": solver}, RunStore("sqlite://"), tmp_path / "work", options)
+    campaign = Campaign({"own": solver}, RunStore.in_memory(), tmp_path / "work", options)
     (tmp_path / "work").mkdir()
     campaign.start(Proposal({"friction": 0.25}, 1, "design"))
     [evaluation] = campaign.wait()
@@ -138,7 +138,7 @@ def test_a_run_whose_worker_is_lost_is_tried_again() -> None:
 
     with Losing(1) as executor:
         options = CampaignOptions(executor=executor, retry_pauses=(0.01,))
-        campaign = Campaign({"drum": PythonCallable(drum)}, RunStore("sqlite://"), None, options)
+        campaign = Campaign({"drum": PythonCallable(drum)}, RunStore.in_memory(), None, options)
         campaign.start(Proposal({"friction": 0.25}, 1, "design"))
         [evaluation] = campaign.wait()
     assert not evaluation.failures

@@ -64,7 +64,7 @@ FINE = Material(0.002, 1000.0)
 
 
 def stored(solver: Lammps, responses: Mapping[str, Measured], seed: int = 3) -> RunStore:
-    store = RunStore("sqlite://")
+    store = RunStore.in_memory()
     run = solver.definition({}, seed)
     store.save(RunRecord(run.identity, "heap", "finished", run, responses))
     return store
@@ -77,7 +77,7 @@ def taken(store: RunStore, material: Material, **free: tuple[float, float]) -> l
         [gf.Parameter(name, *interval) for name, interval in names.items()],
         [gf.Target("angle_of_repose", 22.0)],
     )
-    here = RunStore("sqlite://")
+    here = RunStore.in_memory()
     count = take_runs(store, problem, {"heap": material.solver(names)}, here)
     found = here.runs("finished")
     assert count == len(found)
@@ -123,7 +123,7 @@ def test_a_curve_of_one_size_serves_another() -> None:
 
     curve = Curve([0.0, 1.0], [0.0, 0.8], stays=True)
     store = stored(silo(BEADS), {"discharged_mass": curve, "mass_flow": Response(1.0)})
-    here, other = RunStore("sqlite://"), Material(0.040, 2000.0)
+    here, other = RunStore.in_memory(), Material(0.040, 2000.0)
     problem = gf.Problem(
         [gf.Parameter(FRICTION, 0.1, 1.0)],
         [],

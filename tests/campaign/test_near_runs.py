@@ -55,7 +55,7 @@ def records(solver: Lammps, count: int = 6, first: int = 1) -> list[RunRecord]:
 
 def found_in(*runs: RunRecord, solver: Lammps | None = None) -> NearRuns:
     """Return the near runs of a store."""
-    store, solvers = RunStore("sqlite://"), {"heap": solver or heap()}
+    store, solvers = RunStore.in_memory(), {"heap": solver or heap()}
     store.save_many(runs)
     return near_runs(PROBLEM, solvers, near_records(store, PROBLEM, solvers), seed=1)
 

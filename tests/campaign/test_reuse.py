@@ -261,7 +261,7 @@ def why_none(
     *known: dict[str, float],
 ) -> str:
     """Return why a source has no run for a test; its runs are of a drum."""
-    source = RunStore("sqlite://")
+    source = RunStore.in_memory()
     for values in known or ({"sliding": 0.2}, {"sliding": 0.5}):
         source.save(run(slide(), values, 1))
     problem = gf.Problem([gf.Parameter("sliding", *interval)], [gf.Target(response, 20.0)])

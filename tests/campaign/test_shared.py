@@ -14,12 +14,14 @@ from typing import Any
 import pytest
 
 import grainfit as gf
+from grainfit.campaign import messages
 from grainfit.campaign.campaign import Campaign, CampaignOptions
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.shared import SharedRuns, Timing, share
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import StoreError
 from grainfit.evaluation import Proposal, Response
+from grainfit.messages import Message
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from tests.servers.postgresql_server import PostgresqlServer
@@ -56,7 +58,7 @@ def make_runs(address: str, made: Path, seeds: Sequence[int], number: int) -> No
         return {"angle": parameters["friction"] + seed}
 
     order = random.Random(number).sample(seeds, len(seeds))
-    own = RunStore("sqlite://")
+    own = RunStore.in_memory()
     solver = PythonCallable(simulate, identity="shared")
     with share(address, None, own) as shared:
         campaign = Campaign({"drum": solver}, own, None, CampaignOptions(workers=4), shared)
@@ -171,7 +173,7 @@ def test_runs_given_to_a_shared_store_replace_nothing_there(address: str) -> Non
 
 
 def test_runs_taken_from_a_shared_store_are_not_given_back(address: str, tmp_path: Path) -> None:
-    own = RunStore("sqlite://")
+    own = RunStore.in_memory()
     with share(address, None, own) as shared:
         own.save(record("taken", "finished", origin=shared.place))
         own.save(record("elsewhere", "finished", origin=str(tmp_path)))
@@ -250,17 +252,17 @@ def test_a_work_folder_gives_a_shared_store_what_it_has(address: str, tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("address", "words"),
+    ("address", "message"),
     [
-        ("nonsense", "is not the address of a database"),
-        ("oracle+nonsense://x/y", "is not the address of a database"),
-        ("postgresql+psycopg://nobody:secret@/x?host=/nowhere", "cannot be used"),
-        ("sqlite:////nowhere/at/all.sqlite", "cannot be used"),
+        ("nonsense", messages.NO_ADDRESS),
+        ("oracle+nonsense://x/y", messages.NO_ADDRESS),
+        ("postgresql+psycopg://nobody:secret@/x?host=/nowhere", messages.STORE_UNUSABLE),
+        ("sqlite:////nowhere/at/all.sqlite", messages.STORE_UNUSABLE),
     ],
 )
 def test_a_store_that_cannot_be_had_is_an_error_without_its_password(
-    address: str, words: str
+    address: str, message: Message
 ) -> None:
-    with pytest.raises(StoreError, match=words) as caught:
+    with pytest.raises(StoreError, match=message.pattern) as caught:
         RunStore(address)
     assert "secret" not in str(caught.value)

@@ -354,7 +354,7 @@ def test_an_owner_that_was_suspended_beyond_its_lease_overwrites_nothing(
     wait_for(claimed.exists)
     os.kill(process.pid, signal.SIGSTOP)
     try:
-        other = RunStore("sqlite://")
+        other = RunStore.in_memory()
         evaluation = evaluate(lambda _parameters, _seed: {"angle": 2.0}, address, other)
     finally:
         os.kill(process.pid, signal.SIGCONT)
@@ -398,10 +398,10 @@ def test_a_process_started_again_goes_on_at_once_and_a_copy_of_its_folder_does_n
     work, copy = tmp_path / "work", tmp_path / "copy"
     work.mkdir()
     record = RunRecord("a", "drum", "running", RunDefinition({}, {}, 1))
-    own = RunStore("sqlite://")
+    own = RunStore.in_memory()
 
     def claim_and_die() -> None:
-        with share(address, work, RunStore("sqlite://")) as shared:
+        with share(address, work, RunStore.in_memory()) as shared:
             assert shared.claim(record)
             os.kill(os.getpid(), signal.SIGKILL)
 

@@ -11,6 +11,7 @@ from urllib.parse import quote
 import pytest
 from typer.testing import CliRunner
 
+from grainfit.campaign import messages
 from grainfit.campaign.store.address import StoreAddress, safe_address
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import STORE_NAME, RunStore
@@ -105,9 +106,10 @@ def test_a_message_of_a_driver_loses_what_an_address_hides() -> None:
     assert said == "no '***' and no *** with *** at host, but manhidden"
 
 
-def test_an_option_that_a_driver_does_not_know_is_a_clear_error(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match=r"Check .*its address"):
-        RunStore(f"sqlite:///{tmp_path / 'runs.sqlite'}?timeout={SECRET}")
+@pytest.mark.parametrize("command", [["status"], ["result"], ["report"], ["runs", "prune"]])
+def test_a_command_for_folders_says_that_it_takes_no_address(command: list[str]) -> None:
+    done = CliRunner().invoke(app, [*command, ADDRESSES[5]])
+    assert messages.FOLDERS_ONLY.is_in(str(done.exception))
 
 
 def test_a_password_that_an_earlier_version_stored_is_not_shown(tmp_path: Path) -> None:

@@ -256,7 +256,7 @@ def calibrate(
         folder = None if workdir is None else Path(workdir).absolute()
         if folder is not None:
             stack.enter_context(hold(folder))
-        runs = RunStore("sqlite://") if folder is None else RunStore.in_folder(folder)
+        runs = RunStore.in_memory() if folder is None else RunStore.in_folder(folder)
         stack.callback(runs.close)
         if folder is not None:
             recover(folder, runs)

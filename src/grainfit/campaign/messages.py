@@ -56,21 +56,41 @@ NO_LOCKS = Message(
     "{remedy}, or ask the administrator for locks (NFS: its lock service, Lustre: the mount option "
     "flock).",
 )
-NO_WORK_FOLDER = Message(
-    "{folder!r} is not a work folder of grainfit: it has no {store}.",
-    "Name the folder that 'grainfit run' wrote.",
+_NO_WORK_FOLDER = "{folder!r} is not a work folder of grainfit: it has no {store}."
+_NAME_THE_FOLDER = "Name the folder that 'grainfit run' wrote"
+NO_WORK_FOLDER = Message(_NO_WORK_FOLDER, f"{_NAME_THE_FOLDER}.")
+NO_SOURCE = Message(_NO_WORK_FOLDER, f"{_NAME_THE_FOLDER}, or the address of a store.")
+FOLDERS_ONLY = Message(
+    "this is about a work folder, and cannot be had from the address of a store.",
+    f"{_NAME_THE_FOLDER}.",
 )
-FOLDER_OR_ADDRESS = Message("Name the folder that 'grainfit run' wrote, or the address of a store.")
 
 # Store.
 NO_DRIVER = Message(
-    "the run store {store} needs the Python package {package}, which is not installed.",
-    "For PostgreSQL: {install}",
+    "the run store {store} needs the Python package psycopg, which is not installed.", "{install}"
 )
 STORE_UNUSABLE = Message("the run store {store} cannot be used: {reason}.", "{remedy}")
 NO_REPLY = Message("no answer from the server within {seconds:g} s")
 CHECK_SERVER = Message(
     "Check that the database server runs, can be reached, and accepts this user."
+)
+CHECK_ADDRESS = Message("Check its address.")
+CHECK_OPTIONS = Message("Check the options in its address.")
+CREATE_DATABASE = Message("Create it, such as with: createdb {name}")
+GRANT = Message(
+    "Have its owner give this user the right, in SQL: GRANT CREATE ON SCHEMA public TO name; with "
+    "tables of grainfit in it, GRANT SELECT, INSERT, UPDATE, DELETE ON about, runs, calibrations, "
+    "requests TO name."
+)
+WRITES_NOTHING = Message(
+    "The server only reads, as a standby does: give the address of the one that also writes."
+)
+SERVER_FULL = Message("The disk of the server is full: make room there and start again.")
+UTF8_DATABASE = Message(
+    "Use a database that has all characters: createdb --encoding=UTF8 --template=template0 NAME"
+)
+OWN_DATABASE = Message(
+    "It is damaged, or of another program: use a database for grainfit alone, or another file."
 )
 MAKE_ROOM = Message("The disk is full: make room and start again.")
 USED_OR_NO_LOCKS = Message(
@@ -85,6 +105,7 @@ NOT_WRITABLE = Message("{file!r} cannot be written: {reason}")
 NOTHING_WRITABLE = Message("Nothing can be written to {folder!r}: {reason}")
 STORE_DAMAGED = Message("the run store {store} is damaged: {reason}.", "{remedy}")
 STORE_IS_FOLDER = Message("the run store {store} is a folder, not a file.", "{remedy}")
+NO_STORE_FILE = Message("there is no run store {store}.", "Correct its path.")
 STORE_EMPTY = Message("the run store {store} is empty: nothing was run yet.")
 STORE_TOO_NEW = Message(
     "the run store {store} has schema version {version}, this grainfit reads version {own}.",
@@ -104,7 +125,21 @@ STORE_AWAY = Message(
     "Finished runs are kept; start again to continue.",
 )
 STORE_BACK = Message("The store {store} is back after {seconds:.0f} s.")
-NO_ADDRESS = Message("{address!r} is not the address of a database.", "{remedy}")
+NO_ADDRESS = Message("{address!r} is not the address of a run store.", "{remedy}")
+_SUCH_AS = (
+    "Give one such as postgresql+psycopg://user@host/database or sqlite:////path/to/runs.sqlite"
+)
+GIVE_AN_ADDRESS = Message(f"{_SUCH_AS}.")
+OTHER_BEGINNING = Message("It must begin with {right}://, not with {given}://.", f"{_SUCH_AS}.")
+OTHER_SYSTEM = Message("Only PostgreSQL and SQLite can have one.", f"{_SUCH_AS}.")
+PARTS_OF_ADDRESS = Message(
+    f"{_SUCH_AS}; a port is a number, an IPv6 host stands in [ ], and special characters of a "
+    "password are written as %XX."
+)
+NO_SQLITE_PATH = Message("The path of a file follows sqlite:///.", f"{_SUCH_AS}.")
+NO_SQLITE_OPTIONS = Message(
+    "SQLite has no options here, and no path with a question mark.", f"{_SUCH_AS}."
+)
 
 # Cluster.
 NO_SCHEDULER = Message("{command} is not found: the runs are executed on this machine.")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from urllib.parse import quote, quote_plus, unquote
+from pathlib import Path
+from urllib.parse import quote, quote_plus
 
 import sqlalchemy as sql
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
@@ -23,7 +24,13 @@ _SHOWN_OPTIONS = ("host", "port", "service", "sslmode")
 _MEANT = re.compile(
     r"[A-Za-z][\w+.-]+:/|(?![A-Za-z]:[/\\])[^/]*:.*@|.*\bpass\w*\s*=", re.IGNORECASE | re.DOTALL
 )
-_FORMS = "postgresql+psycopg://user@host/database or sqlite:////path/to/runs.sqlite"
+#: What grainfit is tested with, by the beginning of an address.
+_DRIVERS = {
+    "postgresql": "postgresql+psycopg",
+    "postgresql+psycopg": "postgresql+psycopg",
+    "sqlite": "sqlite",
+    "sqlite+pysqlite": "sqlite",
+}
 
 
 @dataclass(frozen=True)
@@ -46,22 +53,34 @@ class StoreAddress:
 
     @classmethod
     def read(cls, address: str | sql.URL) -> StoreAddress:
-        """Read an address.
+        """Read an address: a text is that of a user, and a URL is used as it is.
 
         Raises
         ------
         StoreError
-            It is not the address of a database.
+            It is not the address of a store that several processes can have.
         """
+        if isinstance(address, sql.URL):
+            url, shown = address, _location(address, "")
+            return cls(url, shown, tuple(_hidden_parts(url, shown)))
         try:
             url = sql.make_url(address)
-            url.get_dialect()
-        except (ArgumentError, NoSuchModuleError, ValueError):
+            remedy = _fault_of(url, address)
+        except (ArgumentError, ValueError):
             # The cause would quote parts of the address.
-            shown, remedy = safe_address(address), _advice(address)
-            raise StoreError(messages.NO_ADDRESS(address=shown, remedy=remedy)) from None
-        shown = _location(url, address if isinstance(address, str) else "")
-        return cls(url, shown, tuple(_hidden_parts(url, shown)))
+            remedy = _fault_of_unreadable(address)
+        if remedy:
+            text = messages.NO_ADDRESS(address=safe_address(address), remedy=remedy)
+            raise StoreError(text) from None
+        shown = _location(url, address)
+        known = url.set(drivername=_DRIVERS[url.drivername])
+        return cls(known, shown, tuple(_hidden_parts(url, shown)))
+
+    @property
+    def file(self) -> Path | None:
+        """File of a SQLite database; None of a server's, and of one in memory."""
+        is_file = self.url.drivername == "sqlite" and self.url.database
+        return Path(str(self.url.database)) if is_file else None
 
     def without_secrets(self, text: str) -> str:
         """Return a text, such as a driver's message, without the hidden parts of the address."""
@@ -104,8 +123,7 @@ def _location(url: sql.URL, text: str) -> str:
     if url.drivername.split("+")[0] == "sqlite":
         if (url.host, url.username, url.password) != (None, None, None):
             return f"{url.drivername}://{_HIDDEN}"
-        place = str(url.database or "sqlite://")
-        return unquote(place.removeprefix("file://")) if place.startswith("file://") else place
+        return str(url.database or "sqlite://")
     # Of a password with an unquoted @, parts are taken for the host, the database or options.
     if text.count("@") > 1 or "@" in f"{url.host}{url.database}":
         return f"{url.drivername}://{_HIDDEN}"
@@ -141,15 +159,29 @@ def _word(text: str) -> re.Pattern[str]:
     return re.compile(rf"(?<!\w){re.escape(text)}(?!\w)")
 
 
-def _advice(address: str | sql.URL) -> str:
-    text = str(address)
-    if text.startswith("postgres://"):
-        return (
-            f"Its beginning is postgresql+psycopg://, not postgres://. Give one such as {_FORMS}."
-        )
-    if _SCHEME.match(text):
-        return (
-            f"Give one such as {_FORMS}; a port is a number, an IPv6 host stands in [ ], and "
-            "special characters of a password are written as %XX."
-        )
-    return f"Give one such as {_FORMS}."
+def _fault_of(url: sql.URL, address: str) -> str:
+    """Return what is wrong with the address of a user, in words of what to do; "" if nothing."""
+    if url.drivername not in _DRIVERS:
+        return _other_beginning(url.drivername)
+    if _DRIVERS[url.drivername] != "sqlite":
+        return ""
+    # Without a = it would be dropped in silence.
+    if "?" in address:
+        return messages.NO_SQLITE_OPTIONS()
+    is_path = url.database not in (None, "", ":memory:")
+    is_alone = (url.host, url.username, url.password) == (None, None, None)
+    return "" if is_path and is_alone else messages.NO_SQLITE_PATH()
+
+
+def _fault_of_unreadable(address: str) -> str:
+    scheme = _SCHEME.match(address)
+    if scheme is None:
+        return messages.GIVE_AN_ADDRESS()
+    return messages.PARTS_OF_ADDRESS() if scheme[0] in _DRIVERS else _other_beginning(scheme[0])
+
+
+def _other_beginning(given: str) -> str:
+    for system, right in (("postgres", "postgresql+psycopg"), ("sqlite", "sqlite")):
+        if given.startswith(system):
+            return messages.OTHER_BEGINNING(given=given, right=right)
+    return messages.OTHER_SYSTEM()

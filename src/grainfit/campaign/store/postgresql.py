@@ -44,7 +44,9 @@ class Connector:
         self, _dialect: Any, _record: Any, arguments: list[str], options: dict[str, Any]
     ) -> ImpatientConnection:
         """Connect; called by SQLAlchemy in place of the driver's own function."""
-        given = {"connect_timeout": CONNECT_SECONDS, **options, "autocommit": True}
+        # The driver gives bytes, not text, for a database without an encoding (SQL_ASCII).
+        own = {"connect_timeout": CONNECT_SECONDS, "client_encoding": "utf8"}
+        given = {**own, **options, "autocommit": True}
         if self._hurries:
             given["connect_timeout"] = _HURRY_SECONDS
         connection = ImpatientConnection.connect(*arguments, **given)

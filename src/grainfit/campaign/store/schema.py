@@ -88,8 +88,11 @@ _CHUNK = 500
 
 
 def version_of(connection: sql.Connection) -> int | None:
-    """Return the schema version of a database; None if it is empty."""
-    if not sql.inspect(connection).has_table(about.name):
+    """Return the schema version of a database; None if it has no such table.
+
+    Tables of these names that are of another program are an error of the database.
+    """
+    if not any(map(sql.inspect(connection).has_table, metadata.tables)):
         return None
     version = connection.scalar(sql.select(about.c.schema_version))
     return None if version is None else int(version)
@@ -113,6 +116,14 @@ def bring_up_to_date(connection: sql.Connection) -> int:
         version += 1
         connection.execute(about.update().values(schema_version=version))
     return version
+
+
+def require_writing(connection: sql.Connection) -> None:
+    """Have the database refuse a user who may not write, without writing anything."""
+    nothing = sql.select(runs).where(sql.false())
+    connection.execute(runs.insert().from_select(list(runs.c.keys()), nothing))
+    connection.execute(runs.update().where(sql.false()).values(beat=0))
+    connection.execute(runs.delete().where(sql.false()))
 
 
 def _fill_in(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 from grainfit.campaign import messages
-from grainfit.campaign.store.store import STORE_NAME, RunStore, not_a_work_folder
+from grainfit.campaign.store.address import safe_address
+from grainfit.campaign.store.store import STORE_NAME, RunStore
 from grainfit.errors import InputError
 
 
@@ -35,8 +35,8 @@ def open_source(source: str | Path, key: str = "runs_from") -> Iterator[RunStore
     else:
         folder = Path(source)
         if not (folder / STORE_NAME).is_file():
-            remedy = messages.FOLDER_OR_ADDRESS()
-            raise InputError(replace(not_a_work_folder(source, key), remedy=remedy))
+            shown = safe_address(source)
+            raise InputError(messages.NO_SOURCE.fault(key, folder=shown, store=STORE_NAME))
         store = RunStore.read_only(folder)
     try:
         yield store

@@ -31,7 +31,7 @@ from grainfit.campaign import messages
 from grainfit.campaign.folder_lock import require_files
 from grainfit.campaign.store import schema
 from grainfit.campaign.store.address import StoreAddress, safe_address
-from grainfit.campaign.store.causes import remedy
+from grainfit.campaign.store.causes import remedy, words_of
 from grainfit.campaign.store.cells import choice, read_json, read_text, text
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord, RunStatus
 from grainfit.campaign.store.schema import OLDEST_READABLE, SCHEMA_VERSION
@@ -111,12 +111,12 @@ class RunStore:
     Parameters
     ----------
     url : str or sqlalchemy.URL
-        ``"sqlite://"`` keeps everything in memory; ``"postgresql+psycopg://user@host/database"``
-        is for several machines.
+        The address that a user gave, such as ``"postgresql+psycopg://user@host/database"``, or a
+        URL that is used as it is.
     read_only : bool
         Write nothing, not even a schema.
-    path : Path, optional
-        File of the store in a work folder, to find out why it cannot be used.
+    renew : str, optional
+        What to do if it is damaged; by default, to use another database.
 
     Raises
     ------
@@ -126,21 +126,24 @@ class RunStore:
     """
 
     def __init__(
-        self, url: str | sql.URL, *, read_only: bool = False, path: Path | None = None
+        self, url: str | sql.URL, *, read_only: bool = False, renew: str | None = None
     ) -> None:
         self._lock = threading.RLock()
         self._address = StoreAddress.read(url)
         self._where = self._address.shown
-        #: The file in a work folder, and all that must not be removed while it is in use.
-        self._path = path
+        self._renew = renew or messages.OWN_DATABASE()
+        #: All that must not be removed while it is in use.
         self._files: Sequence[_File] = ()
         #: Of a work folder: open from the first query to the end.
         self._held: sql.Connection | None = None
         self._version = SCHEMA_VERSION
         options: dict[str, Any] = {"pool_pre_ping": True, "json_deserializer": read_json}
-        if self._address.url == sql.make_url("sqlite://"):
+        url = self._address.url
+        if self._address.file is None and url.drivername == "sqlite":
             options |= {"poolclass": StaticPool, "connect_args": {"check_same_thread": False}}
-        self._engine = self._make_engine(options)
+        elif self._address.file is not None and read_only:
+            url = _only_to_read(self._address.file)
+        self._engine = self._make_engine(url, options)
         self._connector: Connector | None = None
         if self._engine.dialect.driver == "psycopg":
             from grainfit.campaign.store.postgresql import Connector
@@ -160,23 +163,30 @@ class RunStore:
         # A driver raises these for options that it does not know.
         except (TypeError, ValueError) as error:
             self.close()
-            raise self._unusable(error, "Check the options in its address.") from None
+            raise self._unusable(self._said(error), messages.CHECK_OPTIONS()) from None
 
-    def _make_engine(self, options: Mapping[str, Any]) -> sql.Engine:
+    def _make_engine(self, url: sql.URL, options: Mapping[str, Any]) -> sql.Engine:
         try:
-            return sql.create_engine(self._address.url, **options)
+            return sql.create_engine(url, **options)
         except ImportError as error:
             install = how_to_install("postgresql")
-            text = messages.NO_DRIVER(store=self._where, package=error.name, install=install)
-            raise StoreError(text) from error
+            raise StoreError(messages.NO_DRIVER(store=self._where, install=install)) from error
         except (ArgumentError, TypeError, ValueError) as error:
-            raise self._unusable(error, "Check its address.") from None
+            raise self._unusable(self._said(error), messages.CHECK_ADDRESS()) from None
+
+    def _said(self, cause: BaseException) -> str:
+        """Return what a driver said, without what its address hides."""
+        return self._address.without_secrets(words_of(cause))
 
     def _unusable(
-        self, cause: BaseException, remedy: str, kind: type[StoreError] = StoreError
+        self, reason: str, remedy: str, kind: type[StoreError] = StoreError
     ) -> StoreError:
-        reason = self._address.without_secrets(str(cause))
         return kind(messages.STORE_UNUSABLE(store=self._where, reason=reason, remedy=remedy))
+
+    @classmethod
+    def in_memory(cls) -> RunStore:
+        """Open a store of this process alone, which is gone with it."""
+        return cls(sql.URL.create("sqlite"))
 
     @classmethod
     def in_folder(cls, folder: Path) -> RunStore:
@@ -187,7 +197,7 @@ class RunStore:
         if path.exists() and not path.stat().st_size and log.exists() and log.stat().st_size:
             text = messages.STORE_DAMAGED(store=path, reason="it is empty", remedy=_RENEW)
             raise StoreError(text)
-        store = cls(sql.URL.create("sqlite", database=str(path)), path=path)
+        store = cls(sql.URL.create("sqlite", database=str(path)), renew=_RENEW)
         store._hold_log()
         store._files = (_File(path), _File(log))
         return store
@@ -201,15 +211,8 @@ class RunStore:
         StoreError
             Also when there is no store yet.
         """
-        path = _path(folder)
-        query = {"uri": "true", "mode": "ro"}
-        # Without a write-ahead log no process writes, and opening the store would create one.
-        if not path.with_name(f"{STORE_NAME}-wal").exists():
-            query["immutable"] = "1"
-        database = path.absolute().as_uri()
-        return cls(
-            sql.URL.create("sqlite", database=database, query=query), read_only=True, path=path
-        )
+        url = sql.URL.create("sqlite", database=str(_path(folder).absolute()))
+        return cls(url, read_only=True, renew=_RENEW)
 
     @property
     def place(self) -> str:
@@ -223,6 +226,7 @@ class RunStore:
             version = schema.bring_up_to_date(connection)
             if version == SCHEMA_VERSION:
                 _remove_passwords(connection)
+                schema.require_writing(connection)
         self._require_version(version, SCHEMA_VERSION)
 
     def _check_version(self) -> None:
@@ -277,8 +281,9 @@ class RunStore:
             known = str(error) == self._address.without_secrets(str(error))
             # A traceback would show the cause as the driver words it.
             kind = StoreUnreachableError if _may_come_back(error) else StoreError
-            what_to_do = remedy(cause, self._path, _RENEW)
-            raise self._unusable(cause, what_to_do, kind) from (error if known else None)
+            said = self._said(cause)
+            what_to_do = remedy(cause, said, self._address.file, self._renew)
+            raise self._unusable(said, what_to_do, kind) from (error if known else None)
 
     def _read(
         self, query: sql.Select[Any], make: Callable[[Mapping[str, Any]], _Record]
@@ -303,7 +308,7 @@ class RunStore:
 
     def damaged(self, why: str) -> StoreError:
         """Return the error of a store with unusable contents."""
-        text = messages.STORE_DAMAGED(store=self._where, reason=why, remedy=_RENEW)
+        text = messages.STORE_DAMAGED(store=self._where, reason=why, remedy=self._renew)
         return StoreError(text)
 
     def _hold_log(self) -> None:
@@ -650,10 +655,12 @@ def _remove_passwords(connection: sql.Connection) -> None:
         connection.execute(replaced.values(origin=safe_address(origin)))
 
 
-def not_a_work_folder(folder: str | Path, key: str = "") -> Fault:
-    """Return the fault of a folder that has no store."""
+def not_a_work_folder(folder: Path) -> Fault:
+    """Return the fault of what has no store, where the address of one is none either."""
     shown = safe_address(folder)
-    return messages.NO_WORK_FOLDER.fault(key, folder=shown, store=STORE_NAME)
+    if shown != str(folder):
+        return messages.FOLDERS_ONLY.fault("")
+    return messages.NO_WORK_FOLDER.fault("", folder=shown, store=STORE_NAME)
 
 
 def _path(folder: Path) -> Path:
@@ -662,6 +669,23 @@ def _path(folder: Path) -> Path:
     if path.is_dir():
         raise StoreError(messages.STORE_IS_FOLDER(store=path, remedy=_RENEW))
     return path
+
+
+def _only_to_read(file: Path) -> sql.URL:
+    """Return the URL under which SQLite writes nothing to a file, not even an empty one.
+
+    Raises
+    ------
+    StoreError
+        There is no such file.
+    """
+    if not file.is_file():
+        raise StoreError(messages.NO_STORE_FILE(store=str(file)))
+    query = {"uri": "true", "mode": "ro"}
+    # Without a write-ahead log no process writes, and opening the store would create one.
+    if not file.with_name(f"{file.name}-wal").exists():
+        query["immutable"] = "1"
+    return sql.URL.create("sqlite", database=file.absolute().as_uri(), query=query)
 
 
 def _row(record: RunRecord) -> dict[str, Any]:
