@@ -68,6 +68,16 @@ def processes_of(folder: Path) -> list[psutil.Process]:
     ]
 
 
+def test_its_workers_notice_soon_that_a_calibration_was_killed(own: Path) -> None:
+    from grainfit.campaign.cluster import parsl_executor
+
+    [executor] = parsl_executor._own_config(f"{own}:config").executors
+    assert (executor.heartbeat_period, executor.heartbeat_threshold) == (
+        parsl_executor._HEARTBEAT_SECONDS,
+        parsl_executor._LOST_SECONDS,
+    )
+
+
 def test_something_else_than_a_configuration_is_refused(own: Path) -> None:
     options = ClusterOptions(parsl=f"{own}:number")
     with pytest.raises(GrainfitError, match=messages.NO_CONFIG.pattern):

@@ -159,6 +159,8 @@ INTERCHANGE_ENDED = Message(
 NO_JOB_STARTS = Message(
     "no job of the cluster starts: {reason}. Scripts and output of the jobs are in {folder}."
 )
+NO_LIST = Message("{scheduler} does not list its jobs: {reason}")
+NO_COMMAND = Message("{command} is not found, which lists the jobs")
 
 # Options of a cluster.
 _PARSL_CONFIG = 'Write the file and the name of the parsl.Config in it: "my_parsl.py:config".'

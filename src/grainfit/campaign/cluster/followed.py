@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,6 +14,7 @@ from parsl.providers import GridEngineProvider, LSFProvider, PBSProProvider
 from parsl.providers.cluster_provider import ClusterProvider
 from parsl.providers.errors import SubmitException
 
+from grainfit.campaign import messages
 from grainfit.errors import ExecutorError
 
 _STATUS_SECONDS = 10
@@ -41,6 +44,10 @@ class Followed(ClusterProvider):
     heard = ""
     #: The script that was written last.
     script = ""
+    #: What the scheduler says in place of a list of its jobs, and since when, s; "" if it lists
+    #: them.
+    silence = ""
+    silent_since = 0.0
 
     @property
     def status_polling_interval(self) -> int:
@@ -78,9 +85,20 @@ class Followed(ClusterProvider):
         while own & self._listed() and time.monotonic() < deadline:
             time.sleep(0.5)
 
+    def note_answer(self, fault: str) -> None:
+        """Note whether the scheduler has listed its jobs: its words if it has not, or ""."""
+        if fault and not self.silence:
+            self.silent_since = time.monotonic()
+        self.silence = " ".join(fault.split())
+        command = self.listing.split()[0]
+        if fault and shutil.which(command) is None:
+            self.refusal = messages.NO_COMMAND(command=command)
+
     def _status(self) -> None:
         provider: Any = super()
+        self.heard = ""
         provider._status()
+        self.note_answer(self.heard)
         for job, entry in self.resources.items():
             state = entry["status"].state
             message = f"{self.scheduler} says of its job {job}: {state.name}"
@@ -102,9 +120,13 @@ class Heard(ClusterProvider):
     def execute_wait(self, cmd: str, timeout: float | None = None) -> tuple[int, str, str]:
         """Execute a command of the scheduler."""
         provider: Any = super()
-        done: tuple[int, str, str] = provider.execute_wait(cmd, timeout)
+        done: tuple[int, str, str]
+        try:
+            done = provider.execute_wait(cmd, timeout)
+        except subprocess.TimeoutExpired as error:
+            done = (1, "", str(error))
         if done[0]:
-            self.heard = done[2] or done[1]
+            self.heard = done[2] or done[1] or f"exit code {done[0]}"
         return done
 
     def _write_submit_script(
@@ -122,7 +144,8 @@ class GridEngine(Followed, GridEngineProvider, Heard):
 
     def _status(self) -> None:
         """Read states of jobs; those in an error state never start, and are ended."""
-        code, text, _ = self.execute_wait("qstat")
+        code, text, _ = self.execute_wait(self.listing)
+        self.note_answer(self.heard if code else "")
         if code:
             return
         rows = [line.split() for line in text.splitlines()]

@@ -182,11 +182,12 @@ def _own_config(reference: str) -> Config:
         kind = type(config).__name__
         raise GrainfitError(messages.NO_CONFIG(reference=reference, kind=kind))
     for executor in config.executors:
-        if (
-            isinstance(executor, HighThroughputExecutor)
-            and list(executor.interchange_launch_cmd) == DEFAULT_INTERCHANGE_LAUNCH_CMD
-        ):
-            executor.interchange_launch_cmd = _INTERCHANGE
+        if isinstance(executor, HighThroughputExecutor):
+            # Of a calibration that is killed, workers go on for as long as they wait to hear of it.
+            executor.heartbeat_period = min(executor.heartbeat_period, _HEARTBEAT_SECONDS)
+            executor.heartbeat_threshold = min(executor.heartbeat_threshold, _LOST_SECONDS)
+            if list(executor.interchange_launch_cmd) == DEFAULT_INTERCHANGE_LAUNCH_CMD:
+                executor.interchange_launch_cmd = _INTERCHANGE
     return config
 
 

@@ -54,7 +54,7 @@ _NEVER = {
 class Slurm(Followed, SlurmProvider, Heard):
     """Slurm provider that also reports how a job ended and whether it can ever start."""
 
-    scheduler = "Slurm"
+    scheduler, listing = "Slurm", "squeue"
 
     def _status(self) -> None:
         queue = self._queue()
@@ -79,13 +79,16 @@ class Slurm(Followed, SlurmProvider, Heard):
     def _queue(self) -> dict[str, tuple[str, str]] | None:
         """State and reason of the user's jobs by number; None when Slurm does not answer."""
         user = getpass.getuser()
-        command = ["squeue", "--noheader", "--states=all", f"--user={user}", "--format=%i|%T|%r"]
+        command = [self.listing, "--noheader", "--states=all", f"--user={user}", "--format=%i|%T|%r"]
         try:
             done = subprocess.run(
                 command, capture_output=True, text=True, timeout=self.cmd_timeout, check=True
             )
-        except (OSError, subprocess.SubprocessError):
+        except (OSError, subprocess.SubprocessError) as error:
+            is_said = isinstance(error, subprocess.CalledProcessError) and error.stderr.strip()
+            self.note_answer(error.stderr if is_said else str(error))
             return None
+        self.note_answer("")
         rows = [line.split("|") for line in done.stdout.splitlines()]
         return {row[0].strip(): (row[1], row[2]) for row in rows if len(row) == 3}
 
@@ -124,6 +127,7 @@ class GiveUp:
         failed = [job for job in latest if job in executor.blocks_to_job_id]
         unanswered = list(takewhile(lambda job: job not in executor.blocks_to_job_id, latest))
         refusal = self._provider.refusal
+        patience = _OUTAGE_SECONDS if connected else _FAILED_START_SECONDS
         at_work = [job for job in status if job in connected and job not in ended]
         if executor.bad_state_is_set:
             return
@@ -135,14 +139,22 @@ class GiveUp:
             self._give_up(executor, refusal)
         elif self._lasts(failed, _FAILED_START_SECONDS):
             self._give_up(executor, _why(status[failed[0]]))
-        elif self._lasts(unanswered, _OUTAGE_SECONDS if connected else _FAILED_START_SECONDS):
+        elif self._lasts(unanswered, patience):
             self._give_up(executor, _why(status[unanswered[0]]))
+        elif self._is_silent_for(patience):
+            provider = self._provider
+            why = messages.NO_LIST(scheduler=provider.scheduler, reason=provider.silence)
+            self._give_up(executor, why)
 
     def _lasts(self, failed: Sequence[str], seconds: float) -> bool:
         """Return True if there are several jobs, and the first of them ended so long ago."""
         if len(failed) < _FAILED_STARTS:
             return False
         return time.monotonic() - self._ended[failed[-1]] > seconds
+
+    def _is_silent_for(self, seconds: float) -> bool:
+        provider = self._provider
+        return bool(provider.silence) and time.monotonic() - provider.silent_since > seconds
 
     def _give_up(self, executor: BlockProviderExecutor, why: str) -> None:
         folder = self._provider.script_dir
