@@ -79,14 +79,17 @@ class Slurm(Followed, SlurmProvider, Heard):
     def _queue(self) -> dict[str, tuple[str, str]] | None:
         """State and reason of the user's jobs by number; None when Slurm does not answer."""
         user = getpass.getuser()
-        command = [self.listing, "--noheader", "--states=all", f"--user={user}", "--format=%i|%T|%r"]
+        form = ("--noheader", "--states=all", "--format=%i|%T|%r")
+        command = [self.listing, *form, f"--user={user}"]
         try:
             done = subprocess.run(
-                command, capture_output=True, text=True, timeout=self.cmd_timeout, check=True
+                command, capture_output=True, text=True, timeout=self.cmd_timeout, check=False
             )
         except (OSError, subprocess.SubprocessError) as error:
-            is_said = isinstance(error, subprocess.CalledProcessError) and error.stderr.strip()
-            self.note_answer(error.stderr if is_said else str(error))
+            self.note_answer(str(error))
+            return None
+        if done.returncode:
+            self.note_answer(done.stderr.strip() or f"exit code {done.returncode}")
             return None
         self.note_answer("")
         rows = [line.split("|") for line in done.stdout.splitlines()]
