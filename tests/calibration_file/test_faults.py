@@ -538,7 +538,7 @@ WALL = "\n[wall]\n"
     ("lines", "key", "value", "remedy"),
     [
         ("jobs = 2", "walltime", "missing", 'walltime = "2 h"'),
-        ('walltime = "30 s"', "walltime", "30 s", "from 60 to"),
+        ('walltime = "30 s"', "walltime", "30 s", "1 minute"),
         ('walltime = "2 kg"', "walltime", "2 kg", "10 min"),
         (f"{CLUSTER}jobs = 0", "jobs", "0", "from 1 to"),
         (f"{CLUSTER}runs_per_job = -1", "runs_per_job", "-1", "from 1 to"),
@@ -571,6 +571,18 @@ def test_faults_of_the_cluster(
     assert value in fault.message
     assert remedy in f"{fault.message} {fault.remedy}"
     assert fault.line is not None
+
+
+def test_all_faults_of_the_cluster_are_told_at_once(faults_of: FaultsOf) -> None:
+    table = """
+[cluster]
+walltime = "2 parsec"
+jobs = 0
+partition = "a b"
+options = ["--nodes=3"]
+"""
+    keys = {fault.key for fault in faults_of((WALL, f"{table}{WALL}"))}
+    assert keys == {f"cluster.{key}" for key in ("walltime", "jobs", "partition", "options")}
 
 
 def test_keys_of_the_cluster_are_sent_home(faults_of: FaultsOf) -> None:

@@ -1,5 +1,6 @@
 """Options of a cluster, without one."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -25,6 +26,17 @@ def test_every_fault_of_the_options_is_told_at_once() -> None:
         "walltime",
         "options",
     ]
+
+
+def test_a_walltime_that_no_job_has_is_told_in_words() -> None:
+    with pytest.raises(InputError) as caught:
+        ClusterOptions(walltime=30.0)
+    assert messages.WALLTIME.is_in(str(caught.value), given="30 s")
+
+
+def test_what_would_be_submitted_has_no_plural_of_one() -> None:
+    line = describe_cluster(HOUR)[0]
+    assert re.findall(r"\b1 (\w+)", line) == ["run", "job", "run", "core"]
 
 
 @pytest.mark.parametrize(

@@ -150,7 +150,7 @@ PATH_FOR_SCRIPTS = Message(
 )
 RUNS_HERE = Message("scheduler is local: the runs are executed on this machine.")
 NO_PARSL = Message("runs on a cluster need Parsl, which is not installed.", "{install}")
-NO_CONFIG = Message("{reference} is a {kind}, not a parsl.Config.")
+NO_CONFIG = Message("{reference} is of the type {kind}, not a parsl.Config.")
 INTERCHANGE_ENDED = Message(
     "Parsl's interchange, which connects to the jobs of the cluster, was ended. Its log is in "
     "{folder}.",
@@ -171,7 +171,7 @@ BELOW_ONE = Message("is {given}.", "It must be at least 1.")
 BESIDE_PARSL = Message("has no effect beside parsl.", "Set it in your Parsl configuration instead.")
 NO_NAME = Message("{given!r} cannot be a name.", "Use letters (a to z), digits and _ . , : @ + -")
 NO_WALLTIME = Message("is missing.", 'Set how long a job may last: walltime = "2 h".')
-WALLTIME = Message("is {given:g} s.", "It must be from 1 minute to 1 year.")
+WALLTIME = Message("is {given}.", "It must be from 1 minute to 1 year.")
 NOT_ONE_LINE = Message("{given!r} is not one line.", "Write a list, line by line.")
 NO_DIRECTIVE = Message(
     "{given!r} is no directive of the scheduler.", "Write it like {example!r}, or set scheduler."

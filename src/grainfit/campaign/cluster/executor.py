@@ -18,6 +18,7 @@ from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.campaign.cluster.schedulers import SCHEDULERS
 from grainfit.errors import GrainfitError
 from grainfit.extras import how_to_install
+from grainfit.formatting import counted
 
 #: The path of the work folder is part of the job script, which a shell reads.
 _SAFE_PATH = re.compile(r"[A-Za-z0-9_./+@,:=-]+")
@@ -32,7 +33,7 @@ def is_available(options: ClusterOptions) -> bool:
 
 def describe_cluster(options: ClusterOptions) -> list[str]:
     """Describe the jobs that would be submitted, in a few lines."""
-    workers = f"Cluster: {options.workers} runs at a time"
+    workers = f"Cluster: {counted(options.workers, 'run')} at a time"
     if options.parsl is not None:
         return [f"{workers} by your own Parsl configuration."]
     if options.scheduler == "local":
@@ -40,8 +41,9 @@ def describe_cluster(options: ClusterOptions) -> list[str]:
     assert options.walltime is not None, "options without it are refused"
     nodes = "one node" if options.nodes_per_run == 1 else f"{options.nodes_per_run} nodes"
     lines = [
-        f"{workers} in up to {options.jobs} jobs of {options.scheduler}, each with "
-        f"{options.runs_per_job} runs on {options.cores} cores of {nodes} for at most "
+        f"{workers} in up to {counted(options.jobs, 'job')} of {options.scheduler}, each with "
+        f"{counted(options.runs_per_job, 'run')} on {counted(options.cores, 'core')} of {nodes} "
+        "for at most "
         f"{options.walltime // 60:.0f} min; partition {options.partition or '(default)'}, account "
         f"{options.account or '(default)'}{''.join(f', {option}' for option in options.options)}."
     ]

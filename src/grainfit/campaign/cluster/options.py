@@ -11,6 +11,7 @@ from grainfit.campaign import messages
 from grainfit.campaign.cluster.parsl_configuration import ParslConfiguration
 from grainfit.campaign.cluster.schedulers import SCHEDULERS
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import duration
 from grainfit.options.fields import option
 from grainfit.options.kinds import Choice, ListOf, Quantity, Text, Whole
 
@@ -50,7 +51,7 @@ class ClusterOptions:
         default_text="the scheduler's own",
     )
     walltime: float | None = option(
-        Quantity("s", lowest=_SHORTEST, highest=_LONGEST),
+        Quantity("s", above_zero=True),
         "Longest duration of a job, rounded down to whole minutes. Required with jobs and without "
         "parsl.",
         example='"2 h"',
@@ -157,7 +158,7 @@ class ClusterOptions:
             if self.scheduler != "local":
                 yield messages.NO_WALLTIME.fault("walltime")
         elif not _SHORTEST <= self.walltime <= _LONGEST:
-            yield messages.WALLTIME.fault("walltime", given=self.walltime)
+            yield messages.WALLTIME.fault("walltime", given=duration(self.walltime))
         for line in self.setup:
             if not line.strip() or not line.isprintable():
                 yield messages.NOT_ONE_LINE.fault("setup", given=line)
