@@ -12,6 +12,7 @@ from rich.console import Console
 import grainfit as gf
 from grainfit.calibration.live_progress import LiveProgress
 from grainfit.calibration.runs_to_come import RunsToCome
+from grainfit.campaign.pending import PendingRun
 
 BEGUN = gf.Progress("design", 3, 2, 1, RunsToCome(5.0), 60.0, 0.0123, (), {"other": 4})
 PROBLEM = gf.Problem(
@@ -52,6 +53,12 @@ def test_a_log_file_has_a_line_for_each_stage() -> None:
         "verification: 3 done",
     ]
     assert lines[1].startswith(WORDS)
+
+
+def test_runs_that_wait_for_a_worker_are_told_apart() -> None:
+    waiting = tuple(PendingRun(name, "drum", "submitted") for name in "abcde")
+    [line] = shown(replace(BEGUN, warm_start_runs={}, pending=waiting), terminal=False).splitlines()
+    assert ", 2 running, 3 waiting, " in line
 
 
 def test_progress_has_every_evaluation_and_what_is_expected_of_the_answer() -> None:

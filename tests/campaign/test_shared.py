@@ -8,6 +8,7 @@ import random
 import signal
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -249,6 +250,24 @@ def test_a_work_folder_gives_a_shared_store_what_it_has(address: str, tmp_path: 
     store = RunStore(address)
     assert len(store.runs("finished")) == alone.runs.total
     store.close()
+
+
+def test_a_run_that_another_process_makes_is_not_counted_as_ones_own(address: str) -> None:
+    other, own = RunStore(address), RunStore.in_memory()
+    solver = PythonCallable(drum, identity="shared")
+    proposal = Proposal({"friction": 0.5}, 1, "design")
+    with share(address, None, own) as shared:
+        campaign = Campaign({"drum": solver}, own, None, shared=shared)
+        run = record(campaign.identities(proposal)["drum"])
+        assert other.claim(run, "other")
+        campaign.start(proposal)
+        assert [pending.state for pending in campaign.pending_runs] == ["elsewhere"]
+        found = {"angle": Response(30.0)}
+        other.save_outcome(replace(run, status="finished", responses=found, seconds=9.0), "other")
+        [evaluation] = campaign.wait()
+        campaign.close()
+    other.close()
+    assert (evaluation.reused, evaluation.seconds, evaluation.simulated_seconds) == (1, 9.0, 0.0)
 
 
 @pytest.mark.parametrize(

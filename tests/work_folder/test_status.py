@@ -15,8 +15,12 @@ import pytest
 from rich.console import Console
 
 import grainfit
+import grainfit as gf
+from grainfit.calibration.live_file import LiveFile
+from grainfit.calibration.runs_to_come import RunsToCome
 from grainfit.campaign import messages
 from grainfit.campaign.folder_lock import hold
+from grainfit.campaign.pending import ClusterJob, PendingRun, executing
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.cli.console import print_status
@@ -78,6 +82,27 @@ def test_no_more_runs_are_running_than_there_are_workers(
         assert read_status(tmp_path).running == running
     # Nothing runs where the process has died.
     assert read_status(tmp_path).running == 0
+
+
+def test_runs_whose_jobs_wait_in_a_queue_do_not_run(tmp_path: Path) -> None:
+    jobs = [ClusterJob("7", "pending", "Resources"), ClusterJob("8", "pending", "Resources")]
+    pending = tuple(PendingRun(name, "heap", "submitted") for name in ("one", "two", "three"))
+    with hold(tmp_path):
+        store = RunStore.in_folder(tmp_path)
+        store.begin_calibration("c", "beads", {}, about={"workers": 4})
+        for run in pending:
+            store.save(RunRecord(run.identity, "heap", "running", RunDefinition({}, {}, 1)))
+        for state, running, waiting in (("pending", 0, 3), ("running", 2, 1)):
+            now = (replace(jobs[0], state=state), jobs[1])
+            count = executing(3, 4, now)
+            progress = gf.Progress(
+                *("design", 0, count, 0, RunsToCome(9.0), None, None, ()), pending=pending, jobs=now
+            )
+            assert (progress.running, progress.waiting) == (running, waiting)
+            LiveFile(tmp_path).update("c", progress)
+            status = read_status(tmp_path)
+            assert (status.running, status.waiting) == (running, waiting)
+            assert f"{running} running, {waiting} waiting" in shown(tmp_path)
 
 
 def test_status_of_a_killed_calibration_sees_its_latest_run_and_changes_no_file(

@@ -145,7 +145,7 @@ class HoldoutsAfter:
             Progress(
                 STAGE,
                 progress.done,
-                min(campaign.under_way, self._options.workers),
+                campaign.running,
                 progress.failed,
                 RunsToCome(left, left, left),
                 None,

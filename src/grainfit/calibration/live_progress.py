@@ -107,6 +107,7 @@ class LiveProgress:
         parts = [
             f"{progress.stage}: {progress.done} done",
             f"{progress.running} running",
+            *([f"{progress.waiting} waiting"] if progress.waiting else []),
             f"{progress.failed} failed",
             f"{progress.to_come} to come",
         ]

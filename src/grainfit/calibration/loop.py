@@ -684,8 +684,7 @@ class CalibrationLoop:
         return Progress(
             self._stage,
             _runs(evaluations),
-            # Runs of one parameter set in several tests wait for a worker.
-            min(campaign.under_way, self._options.workers),
+            campaign.running,
             failed,
             to_come,
             seconds / simulated * to_come.about / self._options.workers if simulated else None,

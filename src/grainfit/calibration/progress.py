@@ -59,6 +59,12 @@ class Progress(OneLine):
     jobs: Sequence[ClusterJob] = ()
 
     @property
+    def waiting(self) -> int:
+        """Number of runs that wait for a worker, or for a job of a cluster."""
+        submitted = sum(run.state == "submitted" for run in self.pending)
+        return max(submitted - self.running, 0)
+
+    @property
     def seconds_left_range(self) -> tuple[float, float] | None:
         """Range of the remaining time, s."""
         if self.seconds_left is None:

@@ -18,7 +18,7 @@ from grainfit.campaign import messages
 from grainfit.campaign import work_folder as workdir
 from grainfit.campaign.absent_responses import with_needed
 from grainfit.campaign.keep import Keep
-from grainfit.campaign.pending import ClusterJob, PendingRun, jobs_of
+from grainfit.campaign.pending import ClusterJob, PendingRun, executing, jobs_of
 from grainfit.campaign.repeats import mean_outcome, seeds_of
 from grainfit.campaign.reserve import Reserve
 from grainfit.campaign.store.records import RunRecord
@@ -106,6 +106,13 @@ class _Pending:
     records: dict[str, RunRecord] = field(default_factory=dict)
     reused: int = 0
     reused_seconds: float = 0.0
+
+    def take(self, name: str, record: RunRecord, *, is_own: bool) -> None:
+        """Take a run that has ended: of this process, or known or made elsewhere."""
+        self.records[name] = record
+        if not is_own:
+            self.reused += 1
+            self.reused_seconds += record.seconds
 
     def evaluation(self, tests: int, options: CampaignOptions) -> Evaluation:
         """Build the evaluation, which does not depend on the order in which the runs ended."""
@@ -223,9 +230,9 @@ class Campaign:
         return len(self._under_way) + len(self._undecided) < self._options.workers
 
     @property
-    def under_way(self) -> int:
-        """Number of runs that have been started and have not ended."""
-        return len(self._under_way)
+    def running(self) -> int:
+        """Number of runs that execute; others may wait for a worker, or for a job of a cluster."""
+        return executing(len(self._under_way), self._options.workers, self.jobs)
 
     @property
     def pending_runs(self) -> list[PendingRun]:
@@ -293,9 +300,7 @@ class Campaign:
             identity = run.definition.identity
             known = self._find(identity, run.test)
             if known is not None:
-                entry.records[name] = known
-                entry.reused += 1
-                entry.reused_seconds += known.seconds
+                entry.take(name, known, is_own=False)
                 continue
             entry.waiting.setdefault(identity, []).append(name)
             if identity not in self._under_way and identity not in self._elsewhere:
@@ -505,12 +510,12 @@ class Campaign:
             self._store.save(record)
             self._elsewhere[record.identity] = task
             return
-        self._settle(record)
+        self._settle(record, is_own=True)
 
-    def _settle(self, record: RunRecord) -> None:
+    def _settle(self, record: RunRecord, *, is_own: bool) -> None:
         for entry in self._pending:
             for name in entry.waiting.pop(record.identity, []):
-                entry.records[name] = record
+                entry.take(name, record, is_own=is_own)
 
     def _start_postponed(self) -> None:
         now = time.monotonic()
@@ -533,7 +538,7 @@ class Campaign:
                 del self._elsewhere[identity]
                 self._undecided.discard(identity)
                 self._store.save(record)
-                self._settle(record)
+                self._settle(record, is_own=False)
                 continue
             if record is not None:
                 self._shared.forget(identity)
@@ -571,9 +576,9 @@ def evaluation_of(
     tests : int
         Number of tests of the calibration.
     reused : int
-        Number of runs that were already known.
+        Number of runs that were already known, or that another process made.
     reused_seconds : float
-        Sum of the wall times of the known runs, s.
+        Sum of their wall times, s.
     """
     of_tests = {
         test: mean_outcome([record for run, record in records.items() if name_of_test(run) == test])

@@ -7,6 +7,8 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
+#: States of jobs that have not ended.
+ALIVE = ("running", "pending", "held", "unknown")
 PendingState = Literal["submitted", "postponed", "elsewhere"]
 
 
@@ -57,6 +59,32 @@ class ClusterJob:
     number: str
     state: str
     message: str
+
+
+def executing(under_way: int, workers: int, jobs: Sequence[ClusterJob]) -> int:
+    """Return how many runs execute of those under way: the others wait for a worker.
+
+    Parameters
+    ----------
+    under_way : int
+        Runs that were submitted and have not ended.
+    workers : int
+        Largest number of runs at a time.
+    jobs : sequence of ClusterJob
+        Jobs of a cluster; in those that wait in its queue, nothing executes.
+
+    Examples
+    --------
+    >>> waiting, at_work = ClusterJob("7", "pending", ""), ClusterJob("8", "running", "")
+    >>> executing(5, 4, [])
+    4
+    >>> executing(5, 4, [waiting]), executing(5, 4, [waiting, at_work])
+    (0, 2)
+    """
+    states = [job.state for job in jobs]
+    running, alive = states.count("running"), sum(state in ALIVE for state in states)
+    # Jobs have the same number of workers.
+    return min(under_way, workers * running // alive if alive else workers)
 
 
 @runtime_checkable

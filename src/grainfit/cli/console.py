@@ -211,8 +211,10 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
     for stage, asked in status.asked.items():
         ended = status.finished.get(stage, 0)
         console.print(_text(f"{stage}: {ended} of {asked} runs asked for have ended"))
+    waiting = f"{status.waiting} waiting, " if status.waiting else ""
     console.print(
-        f"{status.running} running, {len(status.failed)} failed, {status.kept} finished runs kept",
+        f"{status.running} running, {waiting}{len(status.failed)} failed, "
+        f"{status.kept} finished runs kept",
         highlight=False,
     )
     for failure in status.failed:

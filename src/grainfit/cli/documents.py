@@ -69,6 +69,7 @@ def status_document(folder: Path, status: WorkdirStatus) -> dict[str, Any]:
             for stage, asked in status.asked.items()
         },
         "running": status.running,
+        "waiting": status.waiting,
         "failed": [asdict(run) for run in status.failed],
         "kept": status.kept,
         "parameters": _parameters(status.result) if status.result else None,

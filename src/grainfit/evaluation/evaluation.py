@@ -56,14 +56,14 @@ class Evaluation(OneLine):
     failures : mapping of str to str
         Reason by name of the test whose run failed.
     reused : int
-        Number of runs that were already known.
+        Number of runs that were already known, or that another process made.
     runs : mapping of str to str
         Identity of the run by name of the test; with several seeds per evaluation, the further
         runs follow under their `run_name`.
     seconds : float
         Sum of the wall times of the runs, s.
     simulated_seconds : float
-        Sum of the wall times of the runs that were not already known, s.
+        Sum of the wall times of the other runs, s.
     failed_by_machine : bool
         Whether all failures were caused by the machine, not by the simulation: they say nothing
         about the parameters, and the point can be tried again.

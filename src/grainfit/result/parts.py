@@ -287,7 +287,8 @@ class RunCounts:
     """Numbers of DEM runs of a calibration.
 
     ``reused`` of the ``total`` were known before this start (from an interrupted start or another
-    calibration) and were not simulated again; ``failed`` of them gave no responses. In addition,
+    calibration), or came from a process that shares the store, and were not simulated here;
+    ``failed`` of them gave no responses. In addition,
     there was a warm start from ``warm_start_runs`` earlier runs of other calibrations. With smaller
     apparatus for real ones, those of all searches count, and ``sizes`` are those that compare
     sizes, or are at full size.

@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from grainfit.calibration.live_file import LiveState
-from grainfit.campaign.pending import ClusterJob, PendingRun
+from grainfit.campaign.pending import ALIVE, ClusterJob, PendingRun
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.work_folder import PARTIAL_SUFFIX
 from grainfit.evaluation import names_of_tests
@@ -219,8 +219,7 @@ def _folder(path: Path) -> str:
 
 def job_rows(jobs: Sequence[ClusterJob]) -> list[Row]:
     """Return the jobs of a cluster, those that have not ended first."""
-    alive = ("running", "pending", "held", "unknown")
-    ordered = sorted(jobs, key=lambda job: job.state not in alive)
+    ordered = sorted(jobs, key=lambda job: job.state not in ALIVE)
     return [
         {
             "key": f"{place}-{job.number}",

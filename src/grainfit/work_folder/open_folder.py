@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args
 
+from grainfit.calibration.live_file import read_live_state
 from grainfit.campaign.folder_lock import is_held
+from grainfit.campaign.pending import executing
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store.store import STORE_NAME, UNUSABLE, RunStore, not_a_work_folder
 from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
@@ -70,13 +72,19 @@ class OpenFolder:
         return str(self.calibration.about.get("failure", ""))
 
     def running(self, statuses: Iterable[str]) -> int:
-        """Return how many of the runs with these statuses are under way.
+        """Return how many of the runs with these statuses execute.
 
         A run is stored before a worker begins with it: those beyond the workers wait.
         """
-        if self.state != "running":
-            return 0
-        return min(sum(status == "running" for status in statuses), self.workers)
+        under_way = self.under_way(statuses)
+        if self.calibration is None or not under_way:
+            return under_way
+        live = read_live_state(self.folder, self.calibration.identity)
+        return executing(under_way, self.workers, live.jobs if live else ())
+
+    def under_way(self, statuses: Iterable[str]) -> int:
+        """Return how many of the runs with these statuses execute, or wait for a worker."""
+        return list(statuses).count("running") if self.state == "running" else 0
 
     def warm_start_requests(self) -> list[RequestRecord]:
         """Return the parameter sets of other calibrations that it started from.

@@ -35,7 +35,7 @@ class WorkdirStatus:
     finished, asked : mapping of str to int
         Number of DEM runs by stage.
     running : int
-        Runs under way.
+        Runs that execute.
     failed : tuple of FailedRun
         Runs of this calibration that failed.
     kept : int
@@ -46,6 +46,8 @@ class WorkdirStatus:
         Reason why the result cannot be used; empty if it can.
     failure : str
         Reason why the calibration stopped, if it failed.
+    waiting : int
+        Runs that wait for a worker, or for a job of a cluster.
     """
 
     name: str
@@ -58,6 +60,7 @@ class WorkdirStatus:
     result: Result | None
     result_fault: str = ""
     failure: str = ""
+    waiting: int = 0
 
 
 def read_status(folder: Path) -> WorkdirStatus:
@@ -76,17 +79,19 @@ def read_status(folder: Path) -> WorkdirStatus:
     if calibration is not None:
         failed += failed_if_incomplete(incomplete, requests, calibration.definition).values()
     result, fault = opened.read_result()
+    running = opened.running(states.values())
     return WorkdirStatus(
         name=calibration.name if calibration else "",
         state=opened.state,
         finished=_by_stage(requests, states, ("finished", "failed")),
         asked=_by_stage(requests, None, ()),
-        running=opened.running(states.values()),
+        running=running,
         failed=tuple(_failures(folder, requests, failed)),
         kept=sum(state == "finished" for state in states.values()),
         result=result,
         result_fault=fault,
         failure=opened.failure,
+        waiting=opened.under_way(states.values()) - running,
     )
 
 
