@@ -316,8 +316,8 @@ def test_the_starter_file_of_every_bulk_test_loads_with_any_of_its_options(
 
 
 def test_the_starter_file_of_several_tests_gives_equal_ones_their_names(tmp_path: Path) -> None:
-    file = load(starter_file(["heap", "heap"]), tmp_path)
-    assert [test.name for test in file.tests] == ["heap_1", "heap_2"]
+    file = load(starter_file(["drum", "heap", "heap"]), tmp_path)
+    assert [test.name for test in file.tests] == ["drum", "heap", "heap_2"]
 
 
 def test_a_starter_file_of_an_unknown_test_is_refused() -> None:

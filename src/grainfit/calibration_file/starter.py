@@ -133,8 +133,8 @@ def starter_file(
     Parameters
     ----------
     names : sequence of str
-        Bulk tests, or instruments, whose tests then have their names; one that is named twice gets
-        two names.
+        Bulk tests, or instruments, whose tests then have their names; the second of one kind is
+        ``heap_2``.
     material : StartingMaterial, optional
         Material whose values it begins with; by default glass beads, with more comments.
     solver : str
@@ -176,9 +176,10 @@ def starter_file(
         usual = [kind for name, kind in kinds.items() if name not in instruments]
         first = _material_part(suited_to(material, usual, instruments), solver, tests)
     blocks = [_TESTS if material is None else f"{_TESTS}{_EXAMPLES}"]
-    for number, name in enumerate(names, 1):
+    for place, name in enumerate(names):
         instrument = instruments.get(name)
-        own = f"{name}_{number}" if names.count(name) > 1 else name if instrument else ""
+        before = names[:place].count(name)
+        own = f"{name}_{before + 1}" if before else name if instrument else ""
         lines = _test(known[kinds[name]], own, solver, material, instrument)
         blocks.append("\n".join(lines) + "\n\n")
     return f"{_HEAD}{_QUANTITIES}{first}{''.join(blocks)}{_STRATEGY}"
