@@ -60,12 +60,16 @@ def test_saving_again_replaces(tmp_path: Path) -> None:
     assert [run.reason for run in store.runs()] == ["exploded"]
 
 
-def test_runs_under_way_are_forgotten_and_others_are_not(tmp_path: Path) -> None:
+def test_runs_that_a_start_makes_again_are_forgotten_and_others_are_not(tmp_path: Path) -> None:
     store = RunStore.in_folder(tmp_path)
     store.save(RunRecord("a", "heap", "running", RUN))
-    store.save(RunRecord("b", "heap", "finished", RUN))
-    store.forget_running()
-    assert store.identities() == {"b"}
+    for name in ("b", "c"):
+        store.save(RunRecord(name, "heap", "failed", RUN))
+    store.save(RunRecord("d", "heap", "finished", RUN))
+    store.repeat_failed(["b", "d"])
+    assert store.identities() == {"a", "b", "c", "d"}
+    store.forget_unsettled()
+    assert store.identities() == {"c", "d"}
 
 
 @pytest.mark.parametrize("query", ["INSERT", "SELECT", "COMMIT"])

@@ -118,6 +118,32 @@ def test_status_of_a_killed_calibration_sees_its_latest_run_and_changes_no_file(
     assert (status.state, status.kept, dict(status.asked)) == ("interrupted", 1, {"design": 1})
 
 
+def test_runs_that_stopped_a_calibration_are_counted_until_they_are_repeated(
+    tmp_path: Path,
+) -> None:
+    seeds: list[int] = []
+    is_broken = True
+
+    def model(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        seeds.append(seed)
+        if is_broken:
+            raise ValueError("the heap has no plate")
+        return {"angle": 60 * parameters["friction"]}
+
+    problem = grainfit.Problem(
+        [grainfit.Parameter("friction", 0.1, 0.9)], [grainfit.Target("angle", 30.0)]
+    )
+    with pytest.raises(grainfit.RunFailedError):
+        grainfit.calibrate(problem, model, workdir=tmp_path)
+    status = read_status(tmp_path)
+    assert (len(status.failed), dict(status.finished)) == (len(seeds), {"design": len(seeds)})
+    assert all("no plate" in run.reason for run in status.failed)
+    failed, is_broken = seeds.copy(), False
+    grainfit.calibrate(problem, model, workdir=tmp_path)
+    assert seeds[len(failed) : 2 * len(failed)] == failed
+    assert not read_status(tmp_path).failed
+
+
 def test_status_before_the_store_is_written(tmp_path: Path) -> None:
     (tmp_path / "runs.sqlite").touch()
     with pytest.raises(StoreError, match=messages.STORE_EMPTY.pattern):

@@ -379,11 +379,12 @@ class Campaign:
     def forget_failures(self, evaluations: Iterable[Evaluation]) -> None:
         """Let failed runs be repeated at the next start: the cause may be fixed by then.
 
+        Until then, they are shown in this work folder; other processes may repeat them at once.
         Finished ones that count as failed for want of a response stay: they would be the same
         again, and another calibration may not need that response.
         """
         failed = [e.runs[run] for e in evaluations for run in e.failed_runs]
-        self._store.forget_failed(failed)
+        self._store.repeat_failed(failed)
         if self._shared is not None:
             self._shared.forget_failed(failed)
 

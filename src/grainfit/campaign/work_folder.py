@@ -45,7 +45,7 @@ def recover(folder: Path, store: RunStore) -> None:
     # Imported where processes are ended: the commands that only read start without psutil.
     from grainfit.solvers.process.orphans import end_orphans
 
-    store.forget_running()
+    store.forget_unsettled()
     runs = folder / "runs"
     for path in runs.glob(f"*{PARTIAL_SUFFIX}"):
         end_orphans(path)
@@ -54,7 +54,7 @@ def recover(folder: Path, store: RunStore) -> None:
     states = store.states()
     unknown = [path for path in sorted(runs.iterdir()) if states.get(path.name) != "finished"]
     records = {path.name: read_record(path) for path in unknown}
-    # Failed runs that the store has forgotten are to be repeated.
+    # Failed runs that the store has forgotten are made again.
     store.save_many(
         record
         for name, record in records.items()

@@ -16,7 +16,7 @@ from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.pending import executing
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store.store import STORE_NAME, UNUSABLE, RunStore, not_a_work_folder
-from grainfit.campaign.work_folder import RESULT_NAME, read_record, run_folder
+from grainfit.campaign.work_folder import RESULT_NAME
 from grainfit.errors import GrainfitError, StoreError
 from grainfit.result import Result
 from grainfit.verdict.rule import Status
@@ -101,13 +101,7 @@ class OpenFolder:
     def records_of(self, requests: Sequence[RequestRecord]) -> dict[str, RunRecord]:
         """Return the runs of parameter sets by identity, as far as they are kept."""
         asked = {run for request in requests for run in request.runs.values()}
-        records = self.store.find_many(asked)
-        if self.state == "failed":
-            # Failures that stopped it are forgotten, so that the next start repeats these runs.
-            absent = asked - records.keys()
-            kept = (read_record(run_folder(self.folder, run)) for run in absent)
-            records |= {record.identity: record for record in kept if record is not None}
-        return records
+        return self.store.find_many(asked)
 
     @contextmanager
     def naming(self) -> Iterator[None]:

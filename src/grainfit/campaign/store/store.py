@@ -58,6 +58,8 @@ _RENEW = (
 _CHUNK = 500
 #: Key of the lock under which the tables of a shared database are created.
 _SCHEMA_LOCK = 7_203_114
+#: In place of the owner of a failed run that the next start repeats.
+_REPEATED = "repeated"
 #: Beginnings of the SQLSTATEs of a server that may serve the same request a little later: lost or
 #: refused connections, transactions that were idle or in each other's way, and shutdowns.
 _TRANSIENT = ("08", "25P03", "40", "53300", "55P03", "57")
@@ -384,10 +386,14 @@ class RunStore:
                 # Another process has added one of them meanwhile.
                 continue
 
-    def forget_running(self) -> None:
-        """Delete the rows of runs that were pending when an earlier process died."""
+    def forget_unsettled(self) -> None:
+        """Delete the runs that a start makes again.
+
+        They were pending when an earlier process died, or are those of `repeat_failed`.
+        """
+        unsettled = sql.or_(_runs.c.status == "running", _is_repeated())
         with self._transaction() as connection:
-            connection.execute(_runs.delete().where(_runs.c.status == "running"))
+            connection.execute(_runs.delete().where(unsettled))
 
     def forget(self, identity: str) -> None:
         """Delete one run."""
@@ -402,11 +408,18 @@ class RunStore:
 
     def forget_failed(self, identities: Collection[str]) -> None:
         """Delete the failed ones of these runs, so that they are repeated."""
+        self._change_failed(_runs.delete(), identities)
+
+    def repeat_failed(self, identities: Collection[str]) -> None:
+        """Let the next start forget the failed ones of these runs: until then, users see them."""
+        self._change_failed(_runs.update().values(owner=_REPEATED), identities)
+
+    def _change_failed(self, change: sql.Delete | sql.Update, identities: Collection[str]) -> None:
         wanted = list(identities)
         with self._transaction() as connection:
             for start in range(0, len(wanted), _CHUNK):
                 part = _runs.c.identity.in_(wanted[start : start + _CHUNK])
-                connection.execute(_runs.delete().where(part, _runs.c.status == "failed"))
+                connection.execute(change.where(part, _runs.c.status == "failed"))
 
     def identities(self) -> set[str]:
         """Return the identities of all runs."""
@@ -702,6 +715,10 @@ def _row(record: RunRecord) -> dict[str, Any]:
     for name in ("reason", "log_tail"):
         row[name] = row[name].replace("\0", " ").encode(errors="replace").decode()
     return row
+
+
+def _is_repeated() -> sql.ColumnElement[bool]:
+    return sql.and_(_runs.c.status == "failed", _runs.c.owner == _REPEATED)
 
 
 def _claimed_by(owner: str) -> sql.ColumnElement[bool]:
