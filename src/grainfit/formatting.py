@@ -162,6 +162,18 @@ def plain_interval(value: float, half_width: float) -> str:
     return f"{_to_uncertainty(value, half_width)} ± {_to_uncertainty(half_width, half_width)}"
 
 
+def interval(value: float, half_width: float) -> str:
+    """Return a value and half of its interval, for readers.
+
+    Examples
+    --------
+    >>> interval(9.279e6, 4.35e5), interval(22.0034, 0.381)
+    ('9.28·10⁶ ± 4.3·10⁵', '22.00 ± 0.38')
+    """
+    half_width = telling(half_width, value)
+    return f"{rounded(value, half_width)} ± {rounded(half_width, half_width)}"
+
+
 def telling(half_width: float, value: float) -> float:
     """Return half of an interval, or zero where it is rounding of the computer.
 

@@ -17,7 +17,7 @@ from grainfit.cli.app import app
 from grainfit.errors import InputError, StoreError
 from grainfit.tables import TextTable
 from grainfit.work_folder import messages
-from grainfit.work_folder.comparison import compare
+from grainfit.work_folder.comparison import ComparedValue, compare
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
@@ -56,6 +56,35 @@ def test_comparison_of_one_material_agrees_and_of_two_differs(
     assert [cell.split()[0][:3] for cell in shown[:3]] == ["0.5", "0.5", "0.7"]
 
 
+def test_comparison_judges_those_that_have_a_row_and_lists_no_equal_fixed_values(
+    three: list[SavedCalibration],
+) -> None:
+    first, again, wet = three
+    equal, other = {"damping": 0.1, "blades": 4.0}, {"damping": 0.1, "blades": 6.0}
+    one, two = replace(first, fixed=equal), replace(again, fixed=other)
+    found = rows([one, two, wet], 0)
+    assert "damping" not in found
+    assert found["blades"] == ("4 (fixed)", "6 (fixed)", "–", "differ")
+    assert rows([one, wet], 0)["blades"] == ("4 (fixed)", "–", "")
+
+
+def test_comparison_has_one_notation_of_numbers() -> None:
+    free = ComparedValue(9.279e6, 8.87e6, 9.74e6, "Pa")
+    assert free.shown == "9.279·10⁶ Pa (8.87·10⁶ to 9.74·10⁶)"
+    assert "e+" not in replace(free, measured=9.3e6, tolerance=2e5).shown
+
+
+def test_comparison_shows_the_lines_and_the_particles_that_differ(
+    three: list[SavedCalibration],
+) -> None:
+    files = [
+        replace(one, source_text=f'diameter = "{d} mm"', sizes=gf.ParticleSizes((d / 1000,)))
+        for one, d in zip(three, (10, 12), strict=False)
+    ]
+    assert '+diameter = "12 mm"' in compare(files).parts()
+    assert rows(files, 2)["particle diameters"] == ("10 mm", "12 mm")
+
+
 def test_comparison_names_states_as_the_report_does(three: list[SavedCalibration]) -> None:
     missed = replace(three[2], name="wet", state="unreachable")
     first = compare([three[0], missed]).parts()[1]
@@ -85,7 +114,7 @@ def test_compare_command_writes_a_page_and_a_document(
     three: list[SavedCalibration], tmp_path: Path
 ) -> None:
     page = tmp_path / "compared.html"
-    folders = [str(three[0].folder), str(three[2].folder)]
+    folders = [str(three[number].folder) for number in (0, 2, 1)]
     done = CliRunner().invoke(app, ["compare", *folders, "-o", str(page), "--json"])
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)
@@ -105,6 +134,10 @@ def test_compare_command_writes_a_page_and_a_document(
         assert first["x"] + first["width"] < second["x"]
         assert shown.get_by_text("differ", exact=False).count() >= 2
         assert shown.evaluate("document.documentElement.scrollWidth") <= 390
+        # A heading breaks between its words.
+        height = "(one) => one.offsetHeight / parseFloat(getComputedStyle(one).lineHeight)"
+        for heading in shown.locator(".table-wrap:not(:has(.bars)) tbody th").all():
+            assert heading.evaluate(height) < 1 + len(heading.inner_text().split())
         # Bars and values are beside no edge, but the names of folders may be long.
         wide = "(one) => one.scrollWidth > one.clientWidth"
         assert not any(

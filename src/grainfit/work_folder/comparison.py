@@ -11,16 +11,16 @@ from typing import Any, Literal
 from grainfit.errors import InputError
 from grainfit.formatting import (
     duration,
+    ends,
+    interval,
     number,
-    plain_ends,
-    plain_interval,
     unit_for_people,
     with_unit,
 )
 from grainfit.tables import TextTable
 from grainfit.verdict.messages import state_name
 from grainfit.work_folder import messages
-from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
+from grainfit.work_folder.saved_calibration import SavedCalibration, bulk_tests_of, read_answer
 
 _ABSENT = "–"
 #: Words of the last column.
@@ -63,12 +63,12 @@ class ComparedValue:
         if self.is_fixed:
             return f"{with_unit(number(self.value), unit)} (fixed)"
         if self.measured is not None and self.tolerance is not None and self.high is not None:
-            expected = with_unit(plain_interval(self.value, self.high - self.value), unit)
-            return f"{expected} ({with_unit(plain_interval(self.measured, self.tolerance), unit)})"
+            expected = with_unit(interval(self.value, self.high - self.value), unit)
+            return f"{expected} ({with_unit(interval(self.measured, self.tolerance), unit)})"
         shown = with_unit(number(self.value), unit)
         if self.low is None or self.high is None:
             return shown
-        return f"{shown} ({plain_ends(self.low, self.high)})"
+        return f"{shown} ({ends(self.low, self.high)})"
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,10 @@ class ComparedRow:
 
     @property
     def verdict(self) -> Literal["agree", "differ", ""]:
-        """Whether all pairs of intervals overlap; "" where one is missing."""
-        ends = [(one.low, one.high) for one in self.values if one is not None]
-        known = [(low, high) for low, high in ends if low is not None and high is not None]
-        if len(known) < len(self.values):
+        """Whether all pairs of intervals overlap; "" where fewer than two have one."""
+        found = [(one.low, one.high) for one in self.values if one is not None]
+        known = [(low, high) for low, high in found if low is not None and high is not None]
+        if len(known) < 2:
             return ""
         apart = any(a[1] < b[0] or b[1] < a[0] for a, b in combinations(known, 2))
         return "differ" if apart else "agree"
@@ -106,9 +106,10 @@ class Comparison:
     titles, states : tuple of str
         Their names and their states, as in result.json.
     parameters, responses : tuple of ComparedRow
-        All free parameters, the fixed ones that are not the same, and all responses.
+        All free parameters, the fixed ones that are not the same or that one alone has, and all
+        responses.
     circumstances : mapping of str to tuple of str
-        Cost, version, strategy, seed and solver of each.
+        Cost, solver, particle diameters, version, strategy and seed of each.
     file_differences : tuple of str
         What differs from the calibration file of the first to those of the others.
     """
@@ -122,7 +123,7 @@ class Comparison:
     file_differences: tuple[str, ...]
 
     def parts(self) -> list[str | TextTable]:
-        """Return sentences and tables."""
+        """Return sentences and tables, and the lines of the files that differ."""
         told = zip(self.names, self.titles, self.states, strict=True)
         return [
             *(f"{name}: {title}, {state_name(state)}" for name, title, state in told),
@@ -139,6 +140,7 @@ class Comparison:
             TextTable(
                 ("", *self.names), tuple((what, *of) for what, of in self.circumstances.items())
             ),
+            *self.file_differences,
         ]
 
     def document(self) -> dict[str, Any]:
@@ -154,7 +156,7 @@ class Comparison:
 def compare(saved: Sequence[SavedCalibration]) -> Comparison:
     """Compare calibrations: verdicts, parameters with intervals, responses, cost, file.
 
-    Two values *agree* unless their 95 % intervals are apart, or, where both are fixed, unless they
+    Values *agree* unless their 95 % intervals are apart, or, where both are fixed, unless they
     are different numbers.
 
     Parameters
@@ -201,7 +203,8 @@ def _parameter_rows(saved: Sequence[SavedCalibration]) -> Iterator[ComparedRow]:
     free = _in_order(one.result.parameters for one in saved if one.result)
     for name in _in_order([free, *(one.fixed for one in saved)]):
         values = tuple(_parameter(one, name) for one in saved)
-        if name in free or len({_ABSENT if v is None else v.shown for v in values}) > 1:
+        known = [one.shown for one in values if one is not None]
+        if name in free or len(known) == 1 or len(set(known)) > 1:
             yield ComparedRow(name, values)
 
 
@@ -241,6 +244,7 @@ def _circumstances(saved: Sequence[SavedCalibration]) -> dict[str, tuple[str, ..
         "runs": tuple(str(len(one.records)) for one in saved),
         "time of simulation": tuple(map(duration, seconds)),
         "solver": tuple(_solvers(one) for one in saved),
+        "particle diameters": tuple(_diameters(one) for one in saved),
         "version of grainfit": tuple(one.version or _ABSENT for one in saved),
         "strategy": tuple(one.strategy for one in saved),
         "seed": tuple(str(one.seed) for one in saved),
@@ -251,6 +255,12 @@ def _solvers(one: SavedCalibration) -> str:
     models = (record.definition.model for record in one.records.values())
     found = (f"{m.get('solver', '')} {m.get('version', '')}".strip() for m in models)
     return ", ".join(dict.fromkeys(filter(None, found))) or "own model"
+
+
+def _diameters(one: SavedCalibration) -> str:
+    of_tests = (test.sizes for test in bulk_tests_of(one).values())
+    sizes = next(of_tests, one.sizes)
+    return _ABSENT if sizes is None else sizes.words
 
 
 def _file_differences(saved: Sequence[SavedCalibration]) -> Iterator[str]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import log
 from pathlib import Path
 
 from grainfit.files import write_atomically
-from grainfit.formatting import plain, with_power
+from grainfit.formatting import plain
 from grainfit.plots.labels import Label, label_of_parameter, label_of_response
 from grainfit.report.package_page import package_page
 from grainfit.verdict.messages import state_name
@@ -20,8 +19,6 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 _LOGARITHMIC = 20.0
 #: Narrowest bar, percent of the scale.
 _NARROWEST = 0.5
-#: A number with a power of ten, as programs write it.
-_POWER = re.compile(r"\d[\d.]*e[+-]?\d+")
 
 
 @dataclass(frozen=True)
@@ -109,7 +106,7 @@ def _bar(name: str, one: ComparedValue, place: Callable[[float], float]) -> Bar:
         target = (start, round(end - start, 2))
     return Bar(
         name,
-        _POWER.sub(lambda found: with_power(found[0]), one.shown),
+        one.shown,
         one.verdict,
         place(one.value),
         left,
