@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from playwright.sync_api import expect
 from typer.testing import CliRunner
 
 from benchmarks import chromium
@@ -63,3 +64,25 @@ def test_the_page_shows_what_the_package_predicts(tmp_path: Path) -> None:
     texts = dict(text.split(": ", 1) for text in shown)
     assert float(texts["angle of repose"].split("\u00b0")[0]) == pytest.approx(angle, rel=0.01)
     assert float(texts["bulk density"].split()[0]) == pytest.approx(density * DENSITY, rel=0.01)
+
+
+@CHROMIUM
+def test_the_page_shows_no_impossible_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "atlas.html"
+    path.write_text(atlas_page(Atlas()), encoding="utf-8")
+    with chromium.browser() as browser:
+        page = browser.new_page()
+        page.goto(path.as_uri())
+        heads = page.locator("#atlas-charts h2")
+        for slider in page.locator("#atlas-sliders input").all():
+            slider.press("Home")
+        # Smooth spheres that roll freely: the metamodel of the angle goes on below zero.
+        expect(heads.nth(1)).to_contain_text("angle of repose: 0°, 95\u00a0% 0 to")
+        for given in ("0", "-1", ""):
+            page.fill("#atlas-diameter", given)
+            expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "true")
+            expect(heads).to_have_count(0)
+            expect(page.locator("#atlas-charts")).to_contain_text("particle diameter")
+            page.fill("#atlas-diameter", "2")
+            expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "false")
+            expect(heads).not_to_have_count(0)

@@ -74,11 +74,13 @@ def _words(stratum: Stratum, name: str) -> str:
 
 
 def _response(kind: type[BulkTest], name: str, model: ResponseModel) -> dict[str, Any]:
-    unit = kind.responses[name].unit
+    info = kind.responses[name]
+    unit = info.unit
     return {
         "name": name.replace("_", " "),
         "unit": unit_for_people(unit),
         "powers": powers(unit),
+        "limits": info.limits,
         "size_power": size_power(kind, name) or 0.0,
         "is_logarithm": model.is_logarithm,
         "inflation": model.inflation,

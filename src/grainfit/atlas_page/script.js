@@ -51,9 +51,18 @@
     return element;
   }
 
-  function number(id, factor) {
-    const value = Number(find(id).value) * factor;
-    return value > 0 ? value : factor;
+  const FIELDS = { "atlas-diameter": ["particle diameter", "mm"], "atlas-density": ["particle density", "kg/m³"] };
+
+  const number = (id, factor) => Number(find(id).value) * factor;
+
+  // What is wrong with the fields; no numbers are shown then.
+  function faults() {
+    return Object.entries(FIELDS).flatMap(([id, [words, unit]]) => {
+      const field = find(id);
+      const isValid = field.checkValidity();
+      field.setAttribute("aria-invalid", String(!isValid));
+      return isValid ? [] : [`Give a ${words} from ${field.min} to ${field.max}\u00a0${unit}.`];
+    });
   }
 
   // SI unit of a response of the metamodels at a point.
@@ -71,7 +80,11 @@
     const half = NORMAL_QUANTILE * Math.sqrt(response.inflation * variance);
     const unit = unitOf(response, point);
     const ends = [mean - half, mean, mean + half];
-    const values = ends.map((end) => unit * (response.is_logarithm ? Math.exp(end) : end));
+    const [lowest, highest] = response.limits;
+    // Metamodels go on where no response can be.
+    const values = ends
+      .map((end) => unit * (response.is_logarithm ? Math.exp(end) : end))
+      .map((value) => Math.min(Math.max(value, lowest ?? -Infinity), highest ?? Infinity));
     return { values, chance: predict(prepare(response.chance), point).mean };
   }
 
@@ -169,7 +182,10 @@
 
   function show() {
     const axis = Number(find("atlas-axis").value);
-    find("atlas-charts").replaceChildren(...test.responses.map((one) => chart(one, axis)));
+    const wrong = faults();
+    find("atlas-charts").replaceChildren(...(wrong.length
+      ? wrong.map((words) => Object.assign(document.createElement("p"), { className: "note", textContent: words }))
+      : test.responses.map((one) => chart(one, axis))));
     test.inputs.forEach((input, j) => {
       const value = text(valueAt(input, shares[j]));
       find(`atlas-value-${j}`).textContent = value;

@@ -80,6 +80,13 @@ class ResponseInfo(MeasuredInfo, OneLine):
         """Values that are physically possible."""
         return Quantity(self.unit, self.lowest, self.highest, self.above_zero, self.why)
 
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        """Smallest and largest value that is physically possible, zero included; None without."""
+        lowest = max(self.lowest, 0.0) if self.above_zero else self.lowest
+        low, high = (one if math.isfinite(one) else None for one in (lowest, self.highest))
+        return low, high
+
 
 @dataclass(frozen=True)
 class CurveInfo(MeasuredInfo, OneLine):
