@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -13,12 +14,18 @@ from playwright.sync_api import Page, expect
 import needs
 from benchmarks import chromium
 from benchmarks.axe import LAPTOP, PHONE, violations
+from grainfit.campaign.folder_lock import hold
+from grainfit.campaign.store.store import RunStore
 from grainfit.cards.other_programs.edem import EDEM
+from grainfit.errors import InputError
 from grainfit.interview import messages as asked
 from grainfit.interview.interview import Interview
 from grainfit.local_pages.server import listen
+from grainfit.result import Result
+from grainfit.result.parts import RunCounts
 from grainfit.start_page import messages
 from grainfit.start_page.server import StartServer
+from grainfit.verdict.rule import Status
 
 # Chromium, the atlas and simulations share a few cores.
 expect.set_options(timeout=60_000)
@@ -183,11 +190,118 @@ def test_what_is_refused_is_said_and_an_editor_may_come_between(server: StartSer
     assert server.path.read_text() == "name = "
 
 
+def ended(server: StartServer, status: Status, **parameters: float) -> None:
+    """Leave what a calibration of the present file does that has ended, with an answer or none."""
+    about = {"provenance": {"file": server.path.name, "text": server.path.read_text()}}
+    server.work_folder.mkdir()
+    with closing(RunStore.in_folder(server.work_folder)) as store:
+        store.begin_calibration("c", "sand", {}, about=about)
+        store.end_calibration("c", status)
+    result = Result(
+        status=status,
+        parameters=parameters,
+        responses={},
+        runs=RunCounts(),
+        rayleigh_time_step=None,
+        rayleigh_time_step_before=None,
+        rayleigh_time_step_limits=None,
+        wall_seconds=1.0,
+        utilisation=1.0,
+        probability_all_met=None,
+        name="sand",
+        identity="c",
+        strategy="sequential",
+        seed=1,
+        version="0.2.0",
+    )
+    result.to_json(server.work_folder / "result.json")
+
+
+@needs.CHROMIUM
+def test_cards_are_offered_of_an_answer_and_said_to_be_of_an_earlier_file(
+    server: StartServer,
+) -> None:
+    server.path.write_text(OWN)
+    ended(server, "calibrated", friction=0.5)
+    found = server.run_state()
+    assert EDEM.name in found["offers"]
+    assert not found["earlier"]
+    # A remark changes nothing that was calibrated.
+    server.path.write_text(f"{OWN}# of Monday\n")
+    assert not server.run_state()["earlier"]
+    server.path.write_text(OWN.replace("36", "40"))
+    found = server.run_state()
+    assert messages.EARLIER_FILE.is_in(found["earlier"])
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport=LAPTOP)
+        page.goto(server.address)
+        expect(page.locator("#hand-box")).to_contain_text(found["earlier"])
+        expect(page.locator("#followed")).to_contain_text("earlier file")
+
+
+def test_no_cards_are_offered_without_an_answer(server: StartServer) -> None:
+    server.path.write_text(OWN)
+    ended(server, "interrupted")
+    assert server.run_state()["state"] == "interrupted"
+    assert server.run_state()["offers"] == {}
+    assert fetch(server, f"hand-over/{EDEM.name}")[0] == 404
+
+
+@needs.CHROMIUM
+def test_a_page_that_is_opened_again_knows_that_the_calibration_runs(server: StartServer) -> None:
+    server.path.write_text(OWN)
+    Path("model.py").write_text(MODEL)
+    ended(server, "calibrated", friction=0.5)
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport=LAPTOP)
+        with hold(server.work_folder):
+            page.goto(server.address)
+            expect(page.locator("#watch")).to_contain_text("It runs")
+            expect(page.locator("#plan")).to_contain_text("DEM runs")
+            expect(page.locator("#run")).to_be_hidden()
+            expect(page.locator("#hand-box")).to_be_hidden()
+            with pytest.raises(InputError, match=messages.RUNS_ALREADY.pattern):
+                server.start_run("")
+        expect(page.locator("#run")).to_be_visible()
+        # It is started in a terminal.
+        with hold(server.work_folder):
+            expect(page.locator("#run")).to_be_hidden()
+
+
+@needs.CHROMIUM
+def test_a_start_waits_for_what_is_refused_and_an_ended_page_says_so(server: StartServer) -> None:
+    server.path.write_text(
+        OWN.replace("[parameters]", '[particle]\ndiameter = "3 mm"\n[parameters]')
+    )
+    Path("model.py").write_text(MODEL)
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport=LAPTOP)
+        page.goto(server.address)
+        diameter, saved = page.get_by_label("How large are the particles"), page.locator("#saved")
+        diameter.fill("abc")
+        diameter.press("Tab")
+        expect(saved).to_have_text("Not kept")
+        page.get_by_label("moist").fill("2 %")
+        page.get_by_label("moist").press("Tab")
+        expect(page.locator("#file-text")).to_contain_text("2 %")
+        expect(saved).to_have_text("Not kept")
+        page.locator("#run").click()
+        expect(page.locator("#plan-state")).to_contain_text("Not started")
+        expect(diameter).to_be_focused()
+        assert not server.is_running
+        fill(page, "How large are the particles", "4 mm")
+        server.shutdown()
+        server.server_close()
+        diameter.fill("5 mm")
+        diameter.press("Tab")
+        expect(saved).to_have_text("Not kept")
+        expect(page.locator("#questions")).to_contain_text("The page has ended")
+
+
 def test_a_prediction_is_verified_at_full_size_once(server: StartServer) -> None:
     server.path.write_text(OWN)
     Path("model.py").write_text(MODEL.replace("0.05", "0.5"))
-    server.work_folder.mkdir()
-    (server.work_folder / "result.json").write_text('{"status": "predicted"}')
+    ended(server, "predicted")
     assert server.state()["run"]["state"] == "predicted"
     assert server.state()["run"]["ended"] == "predicted, full size pending"
     server.start_run("--full-size")

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from grainfit.campaign.work_folder import RESULT_NAME
+from grainfit.calibration.provenance import Provenance
+from grainfit.calibration_file.load import parse_text, read_text
 from grainfit.cards import FORMAT_TITLES, material_card, render, require_format
+from grainfit.errors import InputError, StoreError
+from grainfit.work_folder.open_folder import open_folder
 
 #: Name of the customer's sheet beside the formats of a card, and its title on the page.
 SHEET, _SHEET_TITLE = "sheet", "Customer’s sheet (PDF)"
@@ -16,21 +20,47 @@ _KINDS = {"json": "application/json", "csv": "text/csv; charset=utf-8"}
 _ENDINGS = {"json": "json", "csv": "csv", "yade": "py"}
 
 
-def offers(folder: Path) -> dict[str, str]:
-    """Return what `handed_over` makes, titles by name; nothing before there is a result."""
-    made = (folder / RESULT_NAME).exists()
-    return {SHEET: _SHEET_TITLE, **FORMAT_TITLES} if made else {}
+@dataclass(frozen=True)
+class Outcome:
+    """What came of the latest calibration in a work folder.
+
+    Parameters
+    ----------
+    state : str
+        How it ended; empty while it runs, and without one.
+    offers : mapping of str to str
+        What `handed_over` makes, titles by name; nothing without an answer.
+    is_of_earlier_file : bool
+        Whether the calibration file says something else now.
+    """
+
+    state: str = ""
+    offers: Mapping[str, str] = field(default_factory=dict)
+    is_of_earlier_file: bool = False
 
 
-def state_of(folder: Path) -> str:
-    """Return the state of the result in a work folder; empty without a result that can be read."""
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        return str(json.loads((folder / RESULT_NAME).read_text(encoding="utf-8"))["status"])
-    return ""
+def outcome(folder: Path, file: Path) -> Outcome:
+    """Read what came of a calibration file; nothing where the work folder cannot be read."""
+    with suppress(StoreError), open_folder(folder) as opened:
+        if opened.calibration is None or opened.state == "running":
+            return Outcome()
+        result, _ = opened.read_result()
+        offers = {SHEET: _SHEET_TITLE, **FORMAT_TITLES} if result and result.parameters else {}
+        text = Provenance.from_json(opened.calibration.about.get("provenance", {})).text
+        return Outcome(opened.state, offers, bool(text) and _is_changed(file, text))
+    return Outcome()
+
+
+def _is_changed(file: Path, text: str) -> bool:
+    """Return whether a calibration file has other values than a text; comments do not count."""
+    try:
+        return parse_text(read_text(file), file) != parse_text(text, file)
+    except InputError:
+        return True
 
 
 def handed_over(folder: Path, name: str) -> tuple[str, str, bytes]:
-    """Make one of `offers`.
+    """Make one of the offers of an `Outcome`.
 
     Returns
     -------

@@ -10,9 +10,14 @@
     made.append(...children);
     return made;
   };
+  const ENDED = "The page has ended: start it again";
   const ask = async (what, body = {}) => {
-    const answer = await fetch(what, { method: "POST", body: JSON.stringify(body) });
-    return answer.ok ? answer.json() : { refused: (await answer.text()).trim() };
+    try {
+      const answer = await fetch(what, { method: "POST", body: JSON.stringify(body) });
+      return answer.ok ? await answer.json() : { refused: (await answer.text()).trim() };
+    } catch {
+      return { refused: `${ENDED}.` };
+    }
   };
   const idOf = (key) => `q-${key.replace(/[^\w-]/g, "-")}`;
   const isMeasured = (question) => question.key.includes(".targets.");
@@ -30,6 +35,16 @@
   })();
   const keepDrafts = () => {
     sessionStorage.setItem(DRAFTS, JSON.stringify({ file: state.file, values: drafts }));
+  };
+  // Keys of drafts that the file cannot have.
+  const refused = new Set();
+  const forget = (key) => {
+    delete drafts[key];
+    refused.delete(key);
+    keepDrafts();
+  };
+  const sayKept = () => {
+    at("saved").textContent = refused.size ? "Not kept" : "Kept in the file";
   };
 
   // --- Questions ----------------------------------------------------------------------------------
@@ -52,13 +67,16 @@
     if (found.refused) {
       at("saved").textContent = "Not kept";
       say(key, "refused", found.refused);
-      return;
+      if (key in drafts) {
+        refused.add(key);
+      }
+      return false;
     }
-    delete drafts[key];
-    keepDrafts();
-    at("saved").textContent = "Kept in the file";
+    forget(key);
     show(found);
+    sayKept();
     refresh();
+    return true;
   };
   let trying = 0;
   const tryOut = (key, given) => {
@@ -71,6 +89,7 @@
         return;
       }
       say(key, found.refused ? "refused" : "implies", found.refused || found.implies);
+      refused[found.refused ? "add" : "delete"](key);
       if (!found.refused && key.includes(".targets.")) {
         estimate({ key, given });
       }
@@ -112,7 +131,11 @@
       field.append(element("option", { value, textContent: words ? `${value}: ${words}` : value }));
     });
     field.value = question.answer;
-    field.addEventListener("change", () => keep(question.key, field.value));
+    field.addEventListener("change", async () => {
+      if (!await keep(question.key, field.value)) {
+        field.value = question.answer;
+      }
+    });
     return field;
   };
   const choices = (question) => {
@@ -130,9 +153,11 @@
     Object.entries(question.options).forEach(([value, words]) => {
       const id = `${idOf(question.key)}-${value}`;
       const tick = element("input", { type: "checkbox", id, value, checked: chosen.has(value) });
-      tick.addEventListener("change", () => {
+      tick.addEventListener("change", async () => {
         const ticked = [...box.querySelectorAll("input:checked")].map((one) => one.value);
-        keep(question.key, ticked.join(", "));
+        if (!await keep(question.key, ticked.join(", "))) {
+          tick.checked = chosen.has(value);
+        }
       });
       const shown = question.key === "tests" ? `${value}: ${words}` : words;
       (named.includes(value) ? instruments : things).append(
@@ -147,27 +172,29 @@
     reader.readAsDataURL(file);
   });
   const addPictures = async (key, files) => {
-    const [many, refused] = [files.length, []];
+    const [many, faults] = [files.length, []];
     for (const [number, file] of files.entries()) {
       at("saved").textContent = `Measuring picture ${number + 1} of ${many} …`;
       try {
         const body = { key, name: file.name, content: await read(file) };
         const found = await ask("picture", body);
         if (found.refused) {
-          refused.push(found.refused);
+          faults.push(found.refused);
         } else {
-          delete drafts[key];
+          forget(key);
           show(found);
         }
       } catch {
-        refused.push(`${file.name} cannot be read.`);
+        faults.push(`${file.name} cannot be read.`);
       }
     }
-    keepDrafts();
-    at("saved").textContent = refused.length === many ? "Not kept" : "Kept in the file";
-    if (refused.length) {
+    sayKept();
+    if (faults.length) {
+      if (faults.length === many) {
+        at("saved").textContent = "Not kept";
+      }
       const kept = state.questions.find((one) => one.key === key);
-      say(key, "refused", `Not kept: ${refused.join(" ")} ${(kept && kept.implies) || ""}`);
+      say(key, "refused", `Not kept: ${faults.join(" ")} ${(kept && kept.implies) || ""}`);
     }
     refresh();
   };
@@ -320,10 +347,15 @@
       })))]
     : []);
   let planned = 0;
+  let canStart = false;
+  const offerStart = () => {
+    at("run").hidden = !canStart || isRunning();
+  };
   const plan = async () => {
     planned += 1;
     const mine = planned;
-    at("run").hidden = true;
+    canStart = false;
+    offerStart();
     if (!state.questions || state.left.length) {
       at("plan").replaceChildren();
       at("plan-state").textContent = "";
@@ -348,9 +380,10 @@
       element("details", {}, element("summary", { textContent: "All that is planned" }),
         ...list("Plan", rest)),
       ...list("A start executes, with your rights", found.executes));
-    at("run").hidden = found.problems.length > 0 || isRunning();
+    canStart = !found.problems.length;
+    offerStart();
   };
-  const isRunning = () => Boolean(state.run && state.run.started && state.run.code === null);
+  const isRunning = () => Boolean(state.run && state.run.running);
   const refresh = () => {
     if (hasValues()) {
       estimate();
@@ -361,8 +394,9 @@
   // --- The calibration ----------------------------------------------------------------------------
 
   const follow = () => {
-    at("full-size").hidden = !(state.run && state.run.state === "predicted");
     const run = state.run || {};
+    offerStart();
+    at("full-size").hidden = run.state !== "predicted" || Boolean(run.earlier);
     const shown = [];
     if (run.watch) {
       const words = isRunning() ? "It runs. Follow it" : `Open the calibration in ${run.folder}`;
@@ -370,9 +404,12 @@
         href: run.watch, id: "watch", target: "_blank", rel: "noopener", textContent: words,
       })));
     }
-    if (run.started && run.code !== null) {
-      const ended = run.ended || `exit code ${run.code}`;
-      shown.push(element("p", { textContent: `It has ended: ${ended}. Its page leads to the report.` }));
+    const ended = isRunning() ? "" : run.ended || (run.code ? `exit code ${run.code}` : "");
+    if (ended) {
+      const what = run.earlier ? "The calibration of the earlier file" : "It";
+      shown.push(element("p", { textContent: `${what} has ended: ${ended}. Its page leads to the report.` }));
+    }
+    if (run.said) {
       const pre = element("pre", { textContent: run.said, tabIndex: 0 });
       pre.setAttribute("role", "region");
       pre.setAttribute("aria-label", "End of its output");
@@ -384,14 +421,18 @@
     }
   };
   const handOver = () => {
-    const offers = Object.entries((state.run && state.run.offers) || {});
+    const run = state.run || {};
+    const offers = Object.entries(run.offers || {});
     at("hand-box").hidden = !offers.length;
+    at("earlier").hidden = !run.earlier;
+    at("earlier").textContent = run.earlier || "";
     if (at("offers").children.length !== offers.length) {
       at("offers").replaceChildren(...offers.map(([name, title]) => element("li", {},
         element("a", { href: `hand-over/${name}`, textContent: title }))));
     }
   };
-  const LOOK = 1000;
+  // Seldom before it runs: it may be started in a terminal.
+  const [LOOK, LOOK_SELDOM] = [1000, 5000];
   const look = async () => {
     try {
       const run = await (await fetch("run")).json();
@@ -403,24 +444,44 @@
         plan();
       }
     } catch {
-      at("saved").textContent = "The page has ended: start it again";
+      at("saved").textContent = ENDED;
+      return;
     }
-    if (isRunning()) {
-      setTimeout(look, LOOK);
+    lookSoon();
+  };
+  let looking = 0;
+  const lookSoon = () => {
+    clearTimeout(looking);
+    looking = setTimeout(look, isRunning() ? LOOK : LOOK_SELDOM);
+  };
+  // What is typed is in the file before a start, or the start is not made.
+  const keepAll = async () => {
+    for (const [key, given] of Object.entries(drafts)) {
+      await keep(key, given);
     }
+    const [open] = (state.questions || []).filter((one) => one.key in drafts);
+    if (open) {
+      at("plan-state").textContent = `Not started: correct or empty “${open.text}” first.`;
+      at(idOf(open.key)).focus();
+    }
+    return !open;
   };
   const begin = async (given) => {
+    if (!await keepAll()) {
+      return;
+    }
     at("run").hidden = true;
     at("full-size").hidden = true;
     at("plan-state").textContent = "Starting …";
     const found = await ask("run", { given });
     at("plan-state").textContent = found.refused || "";
     if (found.refused) {
+      look();
       return;
     }
     show(found);
     at("watch").focus();
-    setTimeout(look, LOOK);
+    lookSoon();
   };
   at("run").addEventListener("click", () => begin(""));
   at("full-size").addEventListener("click", () => begin("--full-size"));
@@ -432,6 +493,8 @@
       .map((one) => [one.key, one.options, one.answer, one.overlays])]);
     const isOther = shape(found) !== shape(state) || !at("questions").children.length;
     state = found;
+    const asked = state.questions && state.questions.map((one) => one.key);
+    Object.keys(drafts).filter((key) => asked && !asked.includes(key)).forEach(forget);
     at("fault").hidden = !state.fault;
     at("fault").textContent = state.fault
       ? `${state.fault} Mend it in an editor, then reload this page.` : "";
@@ -456,7 +519,5 @@
   });
   show(state);
   refresh();
-  if (isRunning()) {
-    setTimeout(look, LOOK);
-  }
+  lookSoon();
 })();

@@ -16,6 +16,7 @@ from urllib.parse import quote, unquote
 from typing_extensions import override
 
 from grainfit.bulk_tests.instrument import instrument_names
+from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.store import STORE_NAME
 from grainfit.campaign.work_folder import default_workdir
 from grainfit.errors import Fault, GrainfitError, InputError
@@ -25,7 +26,7 @@ from grainfit.local_pages.server import JSON, LocalHandler, LocalServer, listen
 from grainfit.materials.starting_materials import read_starting_material, starting_material_names
 from grainfit.report.rendering import script_json
 from grainfit.start_page import messages
-from grainfit.start_page.hand_over import handed_over, offers, state_of
+from grainfit.start_page.hand_over import Outcome, handed_over, outcome
 from grainfit.start_page.page import start_page
 from grainfit.start_page.run_process import RunProcess
 from grainfit.start_page.uploads import LONGEST, Upload
@@ -190,7 +191,7 @@ class StartServer(LocalServer):
             Something is left to do, or it runs already.
         """
         with self._editing:
-            if self._run is not None and self._run.code is None:
+            if self.is_running:
                 raise InputError(messages.RUNS_ALREADY.fault(""))
             interview = self._interview()
             if interview.left:
@@ -213,8 +214,14 @@ class StartServer(LocalServer):
 
     @property
     def is_running(self) -> bool:
-        """Whether a calibration that was started here runs."""
-        return self._run is not None and self._run.code is None
+        """Whether the calibration runs, also one that was started elsewhere."""
+        has_begun = self._run is not None and self._run.code is None
+        return has_begun or is_held(self.work_folder)
+
+    @property
+    def outcome(self) -> Outcome:
+        """What came of the calibration."""
+        return outcome(self.work_folder, self.path)
 
     def page_start(self) -> State:
         """Return what the page begins with."""
@@ -228,21 +235,22 @@ class StartServer(LocalServer):
 
     def run_state(self) -> State:
         """Return the calibration alone, which a page asks for every second."""
-        folder = self.work_folder
+        folder, is_running = self.work_folder, self.is_running
         with self._following:
-            if self._watch is None and (self._run is not None or (folder / STORE_NAME).exists()):
+            if self._watch is None and (is_running or (folder / STORE_NAME).exists()):
                 self._watch = WatchServer(folder, listen(0))
                 self._watch.serve()
-        state = "" if self.is_running else state_of(folder)
+        came = Outcome() if is_running else self.outcome
         return {
             "watch": self._watch.address if self._watch else "",
             "folder": str(folder),
-            "started": self._run is not None,
+            "running": is_running,
             "code": self._run.code if self._run else None,
             "said": self._run.tail() if self._run and self._run.code is not None else "",
-            "state": state,
-            "ended": state_name(state),
-            "offers": {} if self.is_running else offers(folder),
+            "state": came.state,
+            "ended": state_name(came.state),
+            "earlier": messages.EARLIER_FILE() if came.is_of_earlier_file else "",
+            "offers": came.offers,
         }
 
 
@@ -323,12 +331,11 @@ class _Handler(LocalHandler):
             self.refuse_page()
 
     def _hand_over(self, name: str) -> None:
-        folder = self.server.work_folder
-        if name not in offers(folder):
+        if name not in self.server.outcome.offers:
             self.refuse_page()
             return
         try:
-            kind, file, content = handed_over(folder, name)
+            kind, file, content = handed_over(self.server.work_folder, name)
         except GrainfitError as error:
             self.refuse(HTTPStatus.CONFLICT, _words(error))
             return
