@@ -18,6 +18,7 @@ from grainfit.interview import messages
 from grainfit.interview.answers import is_measured, named_tests
 from grainfit.interview.equipment import equipment, way_of, ways
 from grainfit.interview.measured import read_measured, typed
+from grainfit.messages import Message
 from grainfit.pdf.line_drawing import line_drawing
 
 OWN = """\
@@ -259,6 +260,103 @@ def test_a_material_is_known_or_of_a_class_or_is_refused(tmp_path: Path) -> None
     assert _question(of_class, "material").answer == "coffee powder"
     with pytest.raises(gf.InputError, match=messages.UNKNOWN_MATERIAL.pattern):
         interview(tmp_path, ("material", "quux"))
+
+
+BARE = OWN[: OWN.index("# the heap of May")]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [BARE, BARE.replace("name =", "# name ="), "# my notes\n", "{begun}# my notes\n"],
+    ids=["named", "nameless", "notes alone", "begun and edited"],
+)
+def test_a_material_takes_nothing_out_of_a_file_by_hand(tmp_path: Path, text: str) -> None:
+    text = text.format(begun=interview(tmp_path, *BEGUN[:3]).text) if "begun" in text else text
+    begun = interview(tmp_path, text=text)
+
+    if "# name" in text:
+        changed = begun.answered("material", "wheat").text
+        assert tomllib.loads(changed) == {"name": "wheat", **tomllib.loads(text)}
+        assert set(text.splitlines()) <= set(changed.splitlines())
+    else:
+        with pytest.raises(gf.InputError, match=messages.OTHER_MATERIAL.pattern):
+            begun.answered("material", "barley")
+
+
+def test_another_material_begins_anew_where_there_are_answers_alone(tmp_path: Path) -> None:
+    given = (*BEGUN[:3], ("density", "1000 to 1400 kg/m^3"), ("wall_friction", "21 deg ± 1 deg"))
+    found = interview(tmp_path, *given, ("moisture", "9 %"), ("material", "barley"))
+
+    assert found.text == interview(tmp_path, ("material", "barley")).text
+
+
+CLUMPS = (*BEGUN, ("shape", "lens"))
+ODD = (
+    *("1,5", "2:1", "abc", "1.5 kg", "true", "0x2", "[2]", "{a=1}", "1\nb = 2", "nan", "to"),
+    *("9" * 5000, "1e999", "\ud800", "3\x7f", "3\x00", "3 mm ± 10 %", "1 ± 2 ± 3", "2 - - 3"),
+)
+
+
+@pytest.mark.parametrize("key", ["diameter", "aspect_ratio", "density", "wall_friction", "twins"])
+def test_an_odd_answer_is_refused_in_the_words_of_the_interview(tmp_path: Path, key: str) -> None:
+    begun = interview(tmp_path, *CLUMPS)
+    for odd in ODD:
+        with pytest.raises(gf.InputError) as refused:
+            begun.answered(key, odd)
+        assert " = " not in str(refused.value).replace("b = 2", "")
+
+
+def test_a_drum_is_lined_and_not(tmp_path: Path) -> None:
+    found = interview(tmp_path, *BEGUN[:3], ("at_hand", "drum, phone"), ("tests", "drum"))
+    for given, lined in (("yes", True), ("no", False)):
+        found = found.answered("drum.lining", given)
+        assert dict(named_tests(found.text))["drum"]["lining"] is lined
+
+
+def test_numbers_of_other_forms_are_those_of_toml(tmp_path: Path) -> None:
+    found = interview(tmp_path, *CLUMPS, ("aspect_ratio", "2."), ("wall_friction", ".5"))
+
+    assert tomllib.loads(found.text)["particle"]["aspect_ratio"] == 2
+    assert tomllib.loads(found.text)["particle_wall"]["sliding_friction"] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("key", "answer", "message"),
+    [
+        ("may.plate_radius", "160", messages.NO_UNIT),
+        ("may.lift_speed", "50", messages.NO_UNIT),
+        ("wall_friction", "8", messages.ANGLE_OR_FRICTION),
+        ("wall_friction", "20 to 25", messages.ANGLE_OR_FRICTION),
+        ("wall_friction", "20 deg to 25 deg", messages.NO_WALL_FRICTION),
+        ("density", "1000 ± 50 kg/m^3", messages.NO_DENSITY),
+        ("diameter", "3 mm ± 10 %", messages.NO_ERROR_HERE),
+        ("diameter", "2 - 3 mm", messages.NO_SIZES),
+        ("moisture", "12 \ud800", messages.NOT_TYPED),
+    ],
+)
+def test_what_could_mean_something_else_is_asked_again(
+    tmp_path: Path, key: str, answer: str, message: Message
+) -> None:
+    with pytest.raises(gf.InputError, match=message.pattern):
+        interview(tmp_path, (key, answer), text=OWN)
+
+
+@pytest.mark.parametrize(
+    ("answer", "unit"),
+    [
+        ("2500 to 2600 kg/m^3", "kg/m^3"),
+        ("2500 - 2600 kg/m^3", "kg/m^3"),
+        ("2500-2600 kg/m^3", "kg/m^3"),
+        ("2500 kg m^-3 – 2600 kg m^-3", "kg m^-3"),
+    ],
+)
+def test_an_interval_is_typed_with_to_or_with_a_dash(
+    tmp_path: Path, answer: str, unit: str
+) -> None:
+    found = interview(tmp_path, ("density", answer), text=OWN)
+
+    density = tomllib.loads(found.text)["particle"]["density"]
+    assert density == {"min": f"2500 {unit}", "max": f"2600 {unit}"}
 
 
 def test_the_plan_compares_what_can_be_measured_with_what_is_at_hand(tmp_path: Path) -> None:

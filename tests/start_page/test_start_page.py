@@ -184,6 +184,9 @@ def test_what_is_refused_is_said_and_an_editor_may_come_between(server: StartSer
     assert asked.NOTHING_AT_HAND.is_in(said("answer", "material", "wheat")["left"][0])
     server.path.write_text(server.path.read_text() + "\n# from an editor\n")
     assert "# from an editor" in said("answer", "diameter", "4 mm")["text"]
+    for odd in ("\ud800", "9" * 5000, "2:1"):
+        assert "refused" in said("answer", "diameter", odd)
+        assert "refused" in said("try", "wall_friction", odd)
     server.path.write_text("name = ")
     assert "refused" in said("answer", "diameter", "5 mm")
     assert "fault" in server.state()

@@ -12,7 +12,7 @@ from typing import Any
 from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.calibration_file.photographed import PHOTOS
 from grainfit.calibration_file.starter import file_without_tests, starter_test
-from grainfit.errors import InputError
+from grainfit.errors import Fault, InputError
 from grainfit.interview import messages
 from grainfit.interview.equipment import equipment, ways
 from grainfit.interview.file_text import (
@@ -23,7 +23,7 @@ from grainfit.interview.file_text import (
     without_test,
     without_value,
 )
-from grainfit.interview.measured import MEASURED, read_measured
+from grainfit.interview.measured import ERROR, MEASURED, read_measured
 from grainfit.interview.pictures import OF_PICTURES, named_pictures, takes_pictures
 from grainfit.materials.material_classes import class_of_words, material_classes
 from grainfit.materials.particle_shape import FAMILIES
@@ -33,7 +33,10 @@ from grainfit.materials.starting_materials import (
     near_materials,
     read_starting_material,
 )
-from grainfit.options.kinds import Choice, Flag
+from grainfit.materials.wall_friction import USUAL_FRICTION
+from grainfit.messages import Message
+from grainfit.options.kinds import Choice, Flag, Quantity
+from grainfit.units import LONGEST_QUANTITY, UnitError, example_with, to_unit
 
 #: Notes that the file keeps as comments.
 MATERIAL, MOISTURE, AT_HAND, ASKED = "material", "moisture of the sample", "at hand", "asked"
@@ -46,10 +49,12 @@ _HEAD = """\
 """
 #: Largest surface energy of a search where the class says none, and aspect ratio to begin with.
 _COHESION, _ASPECT_RATIO = "0.05 J/m^2", 1.5
+_DIAMETER = "particle.diameter"
 #: Keys of a target that say nothing was measured yet.
 _WIDTHS = {"uncertainty", "systematic", "tolerance", "weight", "statistic", "unit"}
-_BARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|true|false")
-_ENDS = re.compile(r"\s*(?:\bto\b|\.\.+|–)\s*")
+_BARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_ENDS = re.compile(r"\s*(?:\bto\b|\.\.+|[…–—−]|(?:\s|(?<=\d))-(?=\s*[\d.]))\s*")
+_UNIT_OF_ANGLE = re.compile(r"deg|°|rad")
 
 
 def material_of(text: str) -> StartingMaterial | None:
@@ -90,6 +95,11 @@ def new_file(given: str, solver: str) -> str:
     return f"{_HEAD}#\n# {MATERIAL}: {material.name}\n#\n{body}"
 
 
+def set_name(text: str, given: str) -> str:
+    """Return the text with the name of its material."""
+    return with_value(text, ("name",), _quoted(" ".join(given.split())))
+
+
 def set_note(text: str, name: str, given: str) -> str:
     """Return the text with a note."""
     return with_note(text, name, given) if given or note(text, name) else text
@@ -102,11 +112,11 @@ def set_diameter(text: str, given: str) -> str:
         return with_value(text, path, f"{{ sieve_curve = {_quoted(given)} }}")
     parts = [part.split(":") for part in re.split(r"[;\n]", given) if part.strip()]
     if len(parts) == 1 and len(parts[0]) == 1:
-        return with_value(text, path, _length(given))
+        return with_value(text, path, _diameter(given))
     if any(len(part) != 2 for part in parts) or not parts:
-        raise InputError(messages.NO_SIZES.fault("particle.diameter", given=given))
+        raise InputError(messages.NO_SIZES.fault(_DIAMETER, given=given))
     classes = ", ".join(
-        f"{{ value = {_length(size)}, mass_fraction = {_toml(share.strip())} }}"
+        f"{{ value = {_diameter(size)}, mass_fraction = {_number(_DIAMETER, share)} }}"
         for size, share in parts
     )
     return with_value(text, path, f"[{classes}]")
@@ -114,28 +124,34 @@ def set_diameter(text: str, given: str) -> str:
 
 def set_density(text: str, given: str) -> str:
     """Return the text with a known density of the particles, or an interval."""
-    path, ends = ("particle", "density"), _ENDS.split(given.strip())
-    if len(ends) == 1:
-        return with_value(text, path, _quoted(ends[0]))
-    if len(ends) != 2 or not all(ends):
-        raise InputError(messages.NO_DENSITY.fault("particle.density", given=given))
-    unit = re.sub(r"^[\d.eE+-]+\s*", "", ends[1])
-    low = ends[0] if re.search(r"[A-Za-z]", ends[0]) else f"{ends[0]} {unit}"
-    return with_value(text, path, f"{{ min = {_quoted(low)}, max = {_quoted(ends[1])} }}")
+    ends = _ends("particle.density", given, messages.NO_DENSITY)
+    numbers = [_number("particle.density", end, "kg/m^3") for end in ends]
+    return with_value(text, ("particle", "density"), _value_or_interval(numbers))
+
+
+def set_aspect_ratio(text: str, given: str) -> str:
+    """Return the text with a known aspect ratio of clumps, or an interval."""
+    ends = _ends("particle.aspect_ratio", given, messages.NO_ASPECT_RATIO)
+    numbers = [_number("particle.aspect_ratio", end) for end in ends]
+    return with_value(text, ("particle", "aspect_ratio"), _value_or_interval(numbers))
 
 
 def set_wall_friction(text: str, given: str) -> str:
     """Return the text with a friction on walls, or the angle at which the material slides."""
-    path = ("particle_wall", "sliding_friction")
-    value, *error = re.split(r"±|\+\s*/?\s*-", given)
-    if not re.search(r"deg|°", given):
-        return with_value(text, path, _toml(given))
-    angle = value.strip() if re.search(r"deg|°", value) else f"{value.strip()} deg"
-    entries = f"measured_angle = {_quoted(angle)}"
+    path, key = ("particle_wall", "sliding_friction"), "particle_wall.sliding_friction"
+    if not _UNIT_OF_ANGLE.search(given):
+        numbers = [_number(key, end) for end in _ends(key, given, messages.NO_WALL_FRICTION)]
+        for one in numbers:
+            if _BARE.fullmatch(one) and float(one) > USUAL_FRICTION:
+                fault = messages.ANGLE_OR_FRICTION.fault(key, given=one, most=USUAL_FRICTION)
+                raise InputError(fault)
+        return with_value(text, path, _value_or_interval(numbers))
+    angle, *error = map(str.strip, ERROR.split(given))
+    if len(error) > 1 or len(_ENDS.split(angle)) > 1:
+        raise InputError(messages.NO_WALL_FRICTION.fault(key, given=given))
+    entries = f"measured_angle = {_angle(key, angle)}"
     if error:
-        width = error[0].strip()
-        width = width if re.search(r"deg|°", width) else f"{width} deg"
-        entries += f", uncertainty = {_quoted(width)}"
+        entries += f", uncertainty = {_angle(key, error[0])}"
     return with_value(text, path, f"{{ {entries} }}")
 
 
@@ -172,7 +188,7 @@ def set_twins(text: str, given: str) -> str:
     """Return the text with smaller apparatus in the search, or with those of the laboratory."""
     path = ("strategy", TWINS)
     if given != AS_MEASURED:
-        return with_value(text, path, _toml(given))
+        return with_value(text, path, _number(f"strategy.{TWINS}", given))
     is_there = TWINS in tomllib.loads(text).get(path[0], {})
     return without_value(text, path) if is_there else text
 
@@ -237,9 +253,14 @@ def is_measured(test: dict[str, Any]) -> bool:
 def set_option(text: str, number: int, test: dict[str, Any], option: str, given: str) -> str:
     """Return the text with an option of a test."""
     kind = next(k.kind for k in BUILT_IN[test["type"]].option_keys() if k.name == option)
+    key = f"test[{number}].{option}"
     if isinstance(kind, Flag):
         given = {"yes": "true", "no": "false"}.get(given, given)
-    toml = _quoted(given) if isinstance(kind, Choice) else _toml(given)
+        [toml] = _chosen(key, [given], ("true", "false"))
+    elif isinstance(kind, Choice):
+        toml = _quoted(given)
+    else:
+        toml = _number(key, given, kind.unit or "" if isinstance(kind, Quantity) else "")
     return with_value(text, ("test", number, option), toml)
 
 
@@ -283,17 +304,51 @@ def _chosen(key: str, given: Iterable[str], known: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _length(text: str) -> str:
-    """Return a length as TOML; a bare number would be metres, which nobody means."""
-    if _BARE.fullmatch(text.strip()):
-        fault = messages.NO_UNIT.fault("particle.diameter", given=text.strip(), example="3 mm")
-        raise InputError(fault)
-    return _quoted(text.strip())
+def _diameter(given: str) -> str:
+    if len(_ENDS.split(given)) > 1:
+        raise InputError(messages.NO_SIZES.fault(_DIAMETER, given=given))
+    return _number(_DIAMETER, given, "m", "3 mm")
 
 
-def _toml(given: str) -> str:
+def _angle(key: str, given: str) -> str:
+    return _number(key, f"{given} deg" if _BARE.fullmatch(given) else given, "deg")
+
+
+def _number(key: str, given: str, unit: str = "", example: str = "") -> str:
+    """Return a number or a quantity as TOML.
+
+    A bare number would be in SI units, which nobody means who types it; of angles nobody takes
+    them for another unit.
+    """
     given = given.strip()
-    return given if _BARE.fullmatch(given) else _quoted(given)
+    if ERROR.search(given):
+        raise InputError(messages.NO_ERROR_HERE.fault(key, given=given))
+    if not _BARE.fullmatch(given) or len(given) > LONGEST_QUANTITY:
+        try:
+            to_unit(given, unit)
+        except UnitError as error:
+            raise InputError(Fault(key, error.message, error.remedy)) from None
+        return _quoted(given)
+    if unit not in ("", "deg"):
+        example = example or example_with(unit)
+        raise InputError(messages.NO_UNIT.fault(key, given=given, example=example))
+    return repr(int(given) if given.lstrip("+-").isdecimal() else float(given))
+
+
+def _ends(key: str, given: str, refused: Message) -> list[str]:
+    """Return a value, or both ends of an interval, the lower one with the unit of the other."""
+    ends = _ENDS.split(given)
+    if len(ends) > 2 or not all(ends) or ERROR.search(given):
+        raise InputError(refused.fault(key, given=given))
+    if len(ends) == 2 and _BARE.fullmatch(ends[0]):
+        unit = re.sub(rf"^{_BARE.pattern}", "", ends[1]).strip()
+        ends[0] = f"{ends[0]} {unit}".strip()
+    return ends
+
+
+def _value_or_interval(numbers: list[str]) -> str:
+    """Return a value, or the interval between two, as TOML."""
+    return numbers[0] if len(numbers) == 1 else f"{{ min = {numbers[0]}, max = {numbers[1]} }}"
 
 
 def _value(value: Any) -> str:

@@ -43,12 +43,11 @@ def with_value(text: str, path: Path, toml: str) -> str:
         if isinstance(step, str) and step not in place:
             place[step] = tomlkit.table() if place is document else tomlkit.table(True)
         place = place[step]
-    before = place.get(path[-1])
     value = tomlkit.value(toml)
+    was_free = isinstance(place.get(path[-1]), dict) and not isinstance(value, dict)
     place[path[-1]] = value
-    written = place[path[-1]]
-    if before is not None and not isinstance(value, dict) and written.trivia.comment == "# free":
-        written.trivia.comment = written.trivia.comment_ws = ""
+    if was_free and (trivia := place[path[-1]].trivia).comment == "# free":
+        trivia.comment = trivia.comment_ws = ""
     return _verified(tomlkit.dumps(document), expected, path)
 
 

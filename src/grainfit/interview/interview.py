@@ -100,6 +100,8 @@ class Interview(OneLine):
             known = messages.NOT_BEGUN if not self.text else messages.NO_QUESTION
             raise InputError(known.fault(answers.MATERIAL if not self.text else key))
         given = given.strip()
+        if not "".join(given.split()).isprintable():
+            raise InputError(messages.NOT_TYPED.fault(key, given=given))
         changed = self.text
         if given != question.answer and (given or ".targets." in key):
             changed = self._changed(key, given)
@@ -122,7 +124,7 @@ class Interview(OneLine):
             "moisture": lambda text, given: answers.set_note(text, answers.MOISTURE, given),
             "diameter": answers.set_diameter,
             "shape": answers.set_shape,
-            "aspect_ratio": _with_aspect_ratio,
+            "aspect_ratio": answers.set_aspect_ratio,
             "density": answers.set_density,
             "wall_friction": answers.set_wall_friction,
             "cohesion": answers.set_cohesion,
@@ -144,9 +146,25 @@ class Interview(OneLine):
         return answers.without_measured(text, number, test, response)
 
     def _with_material(self, text: str, given: str) -> str:
-        if answers.named_tests(text):
+        if not text.strip() or self._has_answers_alone():
+            return answers.new_file(given, self.solver)
+        data = parse_text(text, self.path)
+        if not data or "name" in data:
             raise InputError(messages.OTHER_MATERIAL.fault(answers.MATERIAL))
-        return answers.new_file(given, self.solver)
+        return answers.set_name(text, given)
+
+    def _has_answers_alone(self) -> bool:
+        """Return whether the answers give the same file again: it has nothing else, and no test."""
+        if answers.material_of(self.text) is None or answers.named_tests(self.text):
+            return False
+        begun = replace(self, text="")
+        try:
+            for one in self.questions():
+                if one.is_asked:
+                    begun = begun.answered(one.key, one.answer)
+        except InputError:
+            return False
+        return _sorted_lines(begun.text) == _sorted_lines(self.text)
 
     def _new_faults(self, changed: str) -> list[Fault]:
         found = _faults(self.path, changed)
@@ -332,9 +350,10 @@ def _faults(path: Path, text: str) -> list[Fault]:
     return []
 
 
+def _sorted_lines(text: str) -> list[str]:
+    """Return the lines that are not empty: answers in another order are the same ones."""
+    return sorted(filter(str.strip, text.splitlines()))
+
+
 def _with_tests(text: str, given: str, solver: str) -> str:
     return answers.set_tests(text, given, solver)
-
-
-def _with_aspect_ratio(text: str, given: str) -> str:
-    return with_value(text, ("particle", "aspect_ratio"), given)

@@ -12,7 +12,7 @@ from grainfit.interview import messages
 from grainfit.units import UnitError, example_with, percentage, to_unit
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_ERROR = re.compile(r"±|\+\s*/?\s*-(?=\s*[\d.])")
+ERROR = re.compile(r"±|\+\s*/?\s*-(?=\s*[\d.])")
 #: Keys of a target that say what was measured; its others stay.
 MEASURED = ("value", "uncertainty", "measurements", "systematic", "photos")
 
@@ -69,7 +69,7 @@ def read_measured(key: str, text: str, unit: str) -> Measured:
     >>> read_measured("mass_flow", "20 g/s", "kg/s").target()
     {'value': '20 g/s'}
     """
-    given, *errors = _ERROR.split(text)
+    given, *errors = ERROR.split(text)
     parts = _quantities(given)
     if not parts or len(errors) > 1:
         raise InputError(messages.NO_MEASUREMENT.fault(key, given=text, example=_example(unit)))

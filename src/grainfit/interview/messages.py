@@ -7,6 +7,7 @@ NO_MEASUREMENT = Message(
     "{given!r} is no measurement.", "Type the repeats with their unit: {example}; {example}."
 )
 NO_UNIT = Message("{given} has no unit.", "Add it, as in {example}.")
+NO_ERROR_HERE = Message("{given!r} has an uncertainty.", "Type the value alone.")
 NO_ERROR = Message("{given!r} after ± is no uncertainty.", 'Type "0.5 deg" or "1 %".')
 
 # The file.
@@ -22,7 +23,8 @@ OF_CLASS = Message(
     "{given!r} is none of the starting materials: it begins with usual ranges of {title}. {near}"
 )
 OTHER_MATERIAL = Message(
-    "the tests in this file are of another material.", "Begin another file for this one."
+    "the file has values or tests of another material, which would be lost.",
+    "Begin another file for this one.",
 )
 NOT_BEGUN = Message("comes before all others.", "Say what material it is.")
 NO_SIZES = Message(
@@ -32,6 +34,15 @@ NO_SIZES = Message(
 NO_DENSITY = Message(
     "{given!r} is no density.", 'Type "950 kg/m^3", or an interval: "850 to 1050 kg/m^3".'
 )
+NO_ASPECT_RATIO = Message("{given!r} is no aspect ratio.", 'Type "1.5", or "1.2 to 1.8".')
+NO_WALL_FRICTION = Message(
+    "{given!r} is neither an angle nor a friction.",
+    'Type "21 deg ± 1 deg", "0.35", or an interval of the friction: "0.3 to 0.5".',
+)
+ANGLE_OR_FRICTION = Message(
+    "{given} would be a friction, and is more than {most:g}.",
+    'Is it the angle? Type it with its unit: "{given} deg".',
+)
 
 # Choices.
 NO_CHOICE = Message("{given!r} is none of the choices: {known}.")
@@ -39,6 +50,7 @@ TEST_IS_MEASURED = Message(
     "{name} has measured values.", "Remove its section in an editor if they are not to count."
 )
 NO_QUESTION = Message("there is no such question.")
+NOT_TYPED = Message("{given!r} has signs that no file can hold.", "Type it again without them.")
 NOTHING_AT_HAND = Message(
     "Say which material it is, and what is at hand:", "the tests that it can measure follow."
 )

@@ -15,6 +15,8 @@ from grainfit.units import UnitError, to_unit
 
 #: Parameters that are the tangent of an angle.
 MEASURED_BY_ANGLE = ("particle_wall.sliding_friction", "particle_wall.rolling_friction")
+#: Measured frictions of particles and of bulk solids are below; above, a number was an angle.
+USUAL_FRICTION = 1.5
 #: Steeper planes tell nothing about friction, whose largest value is 10.
 STEEPEST = 84.0
 #: Standard uncertainties on either side that the interval of a measured parameter has.
