@@ -288,6 +288,27 @@ def test_a_check_names_itself_its_severity_and_a_line(folder: Path, name: str) -
     assert bool(line) == (found.line is not None)
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "is_found"),
+    [
+        ("sliding_friction = 0.18", "sliding_friction = 8", True),
+        ("sliding_friction = 0.27", "sliding_friction = 8", True),
+        ("sliding_friction = 0.27", 'sliding_friction = {{ measured_angle = "60 deg" }}', False),
+        ("sliding_friction = 0.27", "sliding_friction = 1.2", False),
+    ],
+)
+def test_a_friction_that_may_be_an_angle_is_told(
+    folder: Path, before: str, after: str, is_found: bool
+) -> None:
+    path = folder / "calibration.toml"
+    assert before in starter_file()
+    path.write_text(starter_file().replace(before, after.format()), encoding="utf-8")
+
+    said = " ".join(one.text for one in describe_plan(gf.load(path)).findings)
+
+    assert messages.LARGE_FRICTION.is_in(said) is is_found
+
+
 def test_json_lists_what_the_terminal_shows(folder: Path) -> None:
     path = folder / "calibration.toml"
     path.write_text(heap('timeout = "1 s"\nparticle_count = 40000'), encoding="utf-8")

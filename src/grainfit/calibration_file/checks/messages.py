@@ -14,6 +14,10 @@ UNUSUAL_GRAVITY = Message(
     "Test {test}: gravity = {value:g} m/s^2 is that of no laboratory.",
     'Write it with its unit: "981 cm/s^2" is 9.81 m/s^2, that on Earth.',
 )
+LARGE_FRICTION = Message(
+    "{name} = {value:g} is more than materials have.",
+    "If it is an angle in degrees, the friction is its tangent, {tangent:.2g}.",
+)
 SMALL_ANGLE = Message(
     "Test {name} = {value:g} deg is flatter than any bed.",
     'If it was measured in radians, write "{value:g} rad".',

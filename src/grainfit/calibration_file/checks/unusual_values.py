@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grainfit.bulk_tests.parameter_names import DENSITY
+from grainfit.bulk_tests.parameter_names import DENSITY, SLIDING, WALL_SLIDING
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
+from grainfit.materials.wall_friction import USUAL_FRICTION, friction_of_angle
+from grainfit.materials.walls import plain_name
 
 #: Densities of solids, kg/m^3: from aerogels and cork to tungsten and gold.
 _DENSITIES = (50.0, 2.3e4)
@@ -27,6 +29,7 @@ def unusual_value(context: FileContext) -> Iterator[Found]:
         if ends is not None and not _DENSITIES[0] <= max(ends) <= _DENSITIES[1]:
             unit = "g/cm^3" if max(ends) < _DENSITIES[0] else "g/m^3"
             yield name, messages.UNUSUAL_DENSITY(name=name, value=max(ends), unit=unit)
+    yield from _frictions(context)
     largest = max(context.file.sizes.diameters) if context.file.sizes else None
     if largest is not None and not _DIAMETERS[0] <= largest <= _DIAMETERS[1]:
         yield "particle.diameter", messages.UNUSUAL_DIAMETER(value=largest)
@@ -42,6 +45,15 @@ def unusual_value(context: FileContext) -> Iterator[Found]:
             if not _ANGLES[0] <= abs(value) <= _ANGLES[1]:
                 key = context.key(name, f"targets.{response}")
                 yield key, _angle(f"{name}: {response}", value)
+
+
+def _frictions(context: FileContext) -> Iterator[Found]:
+    for name, value in context.fixed.items():
+        # The tangent of a measured angle is in the notes, and was no slip.
+        is_given = not any(note.startswith(f"{name} is") for note in context.file.notes)
+        if plain_name(name) in (SLIDING, WALL_SLIDING) and value > USUAL_FRICTION and is_given:
+            tangent = friction_of_angle(value)
+            yield name, messages.LARGE_FRICTION(name=name, value=value, tangent=tangent)
 
 
 def _angle(name: str, value: float) -> str:
