@@ -12,6 +12,8 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
+from typer.main import get_command
+from typer.testing import CliRunner
 
 from grainfit import design, estimate
 from grainfit.calibration_file import messages as of_calibration_file
@@ -21,6 +23,7 @@ from grainfit.campaign import messages as of_campaign
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
 from grainfit.cli import messages as cli_messages
+from grainfit.cli.app import app
 from grainfit.errors import StoreError
 from grainfit.ground_messages import CANNOT_BE_WRITTEN
 from grainfit.materials import messages as of_materials
@@ -413,8 +416,9 @@ def test_a_place_that_cannot_be_written_is_named_before_anything_is_done(
         (["size", "heap.toml", "-o"], "study.html", ".png"),
         (["report", "work", "-o"], "sand.pdf", ".html"),
         (["report", "work", "--sheet", "-o"], "sand.html", ".pdf"),
+        (["ask", "mine.toml", "--sheet"], "mine.toml", ".pdf"),
     ],
-    ids=["compare", "atlas", "size", "report", "sheet"],
+    ids=["compare", "atlas", "size", "report", "sheet", "ask"],
 )
 def test_a_file_is_not_written_with_the_ending_of_another_kind(
     tmp_path: Path, arguments: list[str], name: str, kind: str
@@ -426,6 +430,51 @@ def test_a_file_is_not_written_with_the_ending_of_another_kind(
 
     assert cli_messages.OTHER_KIND.is_in(done.stderr, kind=kind)
     assert mine.read_text(encoding="utf-8") == "name = 'sand'"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["atlas", "-o"], "mine.html"),
+        (["estimate", "--diameter", "3mm", "--density", "900", "--angle", "30deg", "-o"], "e.png"),
+        (["size", "heap.toml", "-o"], "e.png"),
+        (["preview", "heap.toml", "-o"], "e.png"),
+        (["ask", "heap.toml", "--sheet"], "a.pdf"),
+        (["photo", "--marker"], "a.pdf"),
+        (["report", "work", "-o"], "mine.html"),
+    ],
+    ids=["atlas", "estimate", "size", "preview", "ask", "photo", "report"],
+)
+def test_a_file_of_the_user_is_replaced_when_asked_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(name).write_text("mine", encoding="utf-8")
+    done = CliRunner().invoke(app, [*arguments, name])
+
+    assert cli_messages.NOT_REPLACED.is_in(str(done.exception))
+    assert Path(name).read_text(encoding="utf-8") == "mine"
+    if name.endswith(".png"):
+        beside = CliRunner().invoke(app, ["preview", "heap.toml", "-o", "e.html"])
+        assert cli_messages.NOT_REPLACED.is_in(str(beside.exception), file=name)
+
+
+def test_a_page_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for _ in range(2):
+        done = CliRunner().invoke(app, ["atlas", "-o", "atlas.html"])
+        assert done.exit_code == 0, done.output
+
+
+def test_commands_that_write_a_named_file_have_the_option_that_replaces_one() -> None:
+    found = {
+        name: {option for parameter in command.params for option in parameter.opts}
+        for name, command in get_command(app).commands.items()
+    }
+    writing = {name for name, options in found.items() if options & {"--output", "--marker"}}
+
+    assert {"report", "photo", "preview"} <= writing
+    assert {name for name in writing if "--force" not in found[name]} == set()
 
 
 def test_full_size_without_twins_is_refused(tmp_path: Path) -> None:

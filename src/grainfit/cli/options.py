@@ -58,41 +58,47 @@ def settings_option(text: str) -> Any:
     )
 
 
-def output_option(metavar: str, text: str) -> Any:
+def output_option(metavar: str, text: str, *names: str) -> Any:
     """Return the option of the file that a command writes; its folder is there before it begins.
 
-    A file name has the ending of the metavar, if that has one.
+    A file name has the ending of the metavar, if that has one. The option is called ``--output``
+    by default. A command that has it asks `require_free`, too.
     """
+    names = names or ("--output", "-o")
     kind = Path(metavar).suffix
 
     def checked(path: Path | None) -> Path | None:
         found = require_place(path)
-        return require_kind(found, kind) if kind else found
+        return require_kind(found, kind, names[0]) if kind else found
 
-    return typer.Option("--output", "-o", metavar=metavar, help=text, callback=checked)
+    return typer.Option(*names, metavar=metavar, help=text, callback=checked)
 
 
 Force = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
+#: What every page of grainfit has near its beginning, and within how many bytes.
+_OF_GRAINFIT, _HEAD_OF_PAGE = b'<meta name="generator" content="grainfit', 1000
 
 
 def require_free(path: Path | None, *, force: bool) -> None:
     """Raise `InputError` where a command would replace a file without being asked to.
 
-    Pages are made again and again; a pipe or a device is written to, not replaced.
+    Pages of grainfit are made again and again; a pipe or a device is written to, not replaced.
     """
-    if path is None or force or path.suffix in (".html", ".png"):
+    if path is None or force or not path.is_file():
         return
-    if path.is_file():
+    with writing(path), path.open("rb") as file:
+        begins = file.read(_HEAD_OF_PAGE)
+    if _OF_GRAINFIT not in begins:
         raise InputError(messages.NOT_REPLACED.fault("", file=str(path)))
 
 
-def require_kind(path: Path | None, kind: str) -> Path | None:
+def require_kind(path: Path | None, kind: str, option: str = "--output") -> Path | None:
     """Return the path of a file to write; raise `InputError` where its ending is of another kind.
 
     A name without an ending, such as that of a device, may be of any.
     """
     if path is not None and path.suffix.lower() not in ("", kind):
-        raise InputError(messages.OTHER_KIND.fault("--output", file=str(path), kind=kind))
+        raise InputError(messages.OTHER_KIND.fault(option, file=str(path), kind=kind))
     return path
 
 

@@ -15,7 +15,14 @@ from grainfit.cli.asking import as_names, can_ask, show_options
 from grainfit.cli.completion import complete_material
 from grainfit.cli.consoles import err, err_remarks, out
 from grainfit.cli.exit_codes import INTERRUPTED
-from grainfit.cli.options import NewCalibrationPath, TestSolver, require_place
+from grainfit.cli.options import (
+    Force,
+    NewCalibrationPath,
+    TestSolver,
+    output_option,
+    require_free,
+    require_place,
+)
 from grainfit.errors import InputError
 from grainfit.files import writing
 from grainfit.formatting import plain, plain_lines
@@ -38,10 +45,10 @@ _Again = Annotated[
 ]
 _Sheet = Annotated[
     Path | None,
-    typer.Option(
-        metavar="FILE.pdf",
-        help="Write instructions and a blank record sheet for the chosen tests, and ask nothing.",
-        show_default=False,
+    output_option(
+        "FILE.pdf",
+        "Write instructions and a blank record sheet for the chosen tests, and ask nothing.",
+        "--sheet",
     ),
 ]
 _NoEstimate = Annotated[
@@ -58,6 +65,7 @@ def ask(
     sheet: _Sheet = None,
     solver: TestSolver = "lammps",
     no_estimate: _NoEstimate = False,
+    force: Force = False,
 ) -> None:
     """Ask, question by question, for all that a calibration needs, and write its file.
 
@@ -76,6 +84,7 @@ def ask(
     from grainfit.interview.interview import Interview
 
     require_place(file)
+    require_free(sheet, force=force)
     interview = Interview.open(file, solver)
     if sheet is not None:
         _write_sheet(interview, sheet)

@@ -9,7 +9,7 @@ from grainfit.cli import console as show
 from grainfit.cli import messages
 from grainfit.cli.consoles import out
 from grainfit.cli.help_texts import shown_default
-from grainfit.cli.options import OpenAfterwards, open_in_browser, output_option
+from grainfit.cli.options import Force, OpenAfterwards, open_in_browser, output_option, require_free
 
 _OUTPUT = "The page. " + shown_default("grainfit-atlas.html, here")
 
@@ -17,6 +17,7 @@ _OUTPUT = "The page. " + shown_default("grainfit-atlas.html, here")
 def atlas(
     output: Annotated[Path | None, output_option("FILE.html", _OUTPUT)] = None,
     open_afterwards: OpenAfterwards = False,
+    force: Force = False,
 ) -> None:
     """Write a page with sliders: what every parameter does to every response of a bulk test.
 
@@ -25,6 +26,7 @@ def atlas(
 
     Example:  grainfit atlas --open
     """
+    require_free(output, force=force)
     from grainfit.atlas.shelf import shipped_atlas
     from grainfit.atlas_page.page import atlas_page
     from grainfit.files import write_atomically, writing

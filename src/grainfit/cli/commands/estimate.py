@@ -12,7 +12,7 @@ from grainfit.cli import messages
 from grainfit.cli.consoles import out
 from grainfit.cli.documents import AsJson, estimate_document, print_document
 from grainfit.cli.help_texts import shown_default
-from grainfit.cli.options import output_option
+from grainfit.cli.options import Force, output_option, require_free
 from grainfit.errors import InputError
 
 _File = Annotated[
@@ -50,6 +50,7 @@ def estimate(
     density: _Density = "",
     output: Annotated[Path | None, output_option("FILE.png", _OUTPUT)] = None,
     as_json: AsJson = False,
+    force: Force = False,
 ) -> None:
     """Say which parameters agree with the measurements, at once, by runs that ship with grainfit.
 
@@ -59,6 +60,7 @@ def estimate(
 
     Example:  grainfit estimate --diameter 3mm --bulk-density 540kg/m^3 --angle 34deg
     """
+    require_free(output, force=force)
     from grainfit.work_folder.estimate import estimate as of_file
     from grainfit.work_folder.estimate import estimate_of_heap
     from grainfit.work_folder.estimate_picture import draw_estimate

@@ -11,6 +11,7 @@ from grainfit.cli import console as show
 from grainfit.cli import messages
 from grainfit.cli.consoles import err_remarks, out
 from grainfit.cli.local_page import OpenPage, Port, serve_page
+from grainfit.cli.options import Force, output_option, require_free
 from grainfit.errors import InputError
 
 
@@ -94,7 +95,7 @@ Overlays = Annotated[
 ]
 MarkerSheet = Annotated[
     Path | None,
-    typer.Option(metavar="FILE.pdf", help="Write the sheet of markers to print, no more."),
+    output_option("FILE.pdf", "Write the sheet of markers to print, no more.", "--marker"),
 ]
 
 
@@ -117,6 +118,7 @@ def photo(
     open_page: OpenPage = False,
     overlays: Overlays = Path("overlays"),
     marker: MarkerSheet = None,
+    force: Force = False,
 ) -> None:
     """Measure heaps, draw-downs, drums and slopes on photographs and videos, as simulated ones.
 
@@ -130,6 +132,7 @@ def photo(
 
     Example:  grainfit photo --test slope plane_*.jpg --level "0.1 deg"
     """
+    require_free(marker, force=force)
     if marker is not None:
         _write_sheet(marker)
         return

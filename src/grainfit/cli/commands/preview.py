@@ -10,10 +10,12 @@ from grainfit.cli.consoles import out
 from grainfit.cli.help_texts import shown_default
 from grainfit.cli.options import (
     CalibrationPath,
+    Force,
     OpenAfterwards,
     Seed,
     open_in_browser,
     output_option,
+    require_free,
     settings_option,
 )
 
@@ -29,12 +31,16 @@ def preview(
     seed: Seed = 1,
     output: Annotated[Path | None, output_option("FILE", _OUTPUT)] = None,
     open_it: OpenAfterwards = False,
+    force: Force = False,
 ) -> None:
     """Draw every test before it runs: geometry, first packing, stages, and the cost of a run.
 
     Writes a page in three dimensions, and a picture (PNG). No solver is needed or started; the
     function of a scene of your own is called. Measured values may be missing.
     """
+    if output is not None:
+        require_free(output.with_suffix(".html"), force=force)
+        require_free(output.with_suffix(".png"), force=force)
     from grainfit.calibration_file.apparatus import apparatus_of_tests
     from grainfit.calibration_file.planned import load_tests
     from grainfit.calibration_file.settings import set_values

@@ -10,7 +10,15 @@ import typer
 from grainfit.cli import console as show
 from grainfit.cli.consoles import out
 from grainfit.cli.help_texts import shown_default
-from grainfit.cli.options import CalibrationPath, Workdir, Workers, output_option, settings_option
+from grainfit.cli.options import (
+    CalibrationPath,
+    Force,
+    Workdir,
+    Workers,
+    output_option,
+    require_free,
+    settings_option,
+)
 from grainfit.cli.simulating import simulating
 
 _TIMES_DEFAULT = shown_default("1,2,4, or what makes 1,000, 2,000 and 4,000 particles")
@@ -44,6 +52,7 @@ def size(
     output: Annotated[Path | None, output_option("FILE.png", _OUTPUT)] = None,
     workers: Workers = None,
     workdir: Workdir = None,
+    force: Force = False,
 ) -> None:
     """Show what the size of the apparatus changes, and the trend to the real one.
 
@@ -54,6 +63,7 @@ def size(
 
     Example:  grainfit size bucket.toml --seeds 5
     """
+    require_free(output, force=force)
     from grainfit.work_folder.size_picture import draw_sizes
     from grainfit.work_folder.size_study import size_study
 
