@@ -246,6 +246,13 @@ def test_no_estimate_is_made_of_a_model_of_the_user() -> None:
     assert messages.NOTHING_TOLD.is_in(str(refused.value))
 
 
+def test_a_built_in_test_without_an_estimate_is_not_called_a_model_of_the_user() -> None:
+    with pytest.raises(gf.InputError, match=messages.NOTHING_TOLD.pattern) as refused:
+        gf.estimate(Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml")
+
+    assert "model" not in str(refused.value)
+
+
 def test_an_estimate_needs_no_file() -> None:
     found = estimate_of_heap("3 mm", "540 kg/m^3", "30 deg")
 

@@ -18,7 +18,7 @@ from grainfit.campaign import messages as store_messages
 from grainfit.errors import StoreError
 from grainfit.solvers.own_model.command import Command
 from grainfit.work_folder import messages
-from grainfit.work_folder.saved_calibration import SavedCalibration
+from grainfit.work_folder.saved_calibration import SavedCalibration, read_answer
 
 PROBLEM = grainfit.Problem(
     [grainfit.Parameter("particle.density", 2000, 3000, unit="kg/m^3")],
@@ -181,13 +181,21 @@ def test_the_result_of_an_earlier_start_is_not_that_of_the_last(tmp_path: Path) 
 
 
 def test_failures_that_stopped_a_calibration_are_told_with_their_logs(tmp_path: Path) -> None:
-    model = tmp_path / "model"
+    model = tmp_path / "my model"
     model.mkdir()
     (model / "drum.py").write_text("particle_density = 0\nraise SystemExit('the drum has no lid')")
     solver = Command(model, [sys.executable, "drum.py"], response_names=("angle",))
+    work = tmp_path / "my work"
     with pytest.raises(grainfit.RunFailedError):
-        grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=tmp_path / "work")
-    reading = SavedCalibration.open(tmp_path / "work")
+        grainfit.calibrate(PROBLEM, {"drum": solver}, workdir=work)
+    reading = SavedCalibration.open(work)
     assert (reading.state, len(reading.evaluations)) == ("failed", 3)
     assert of_calibration.ALL_FAILED.is_in(reading.failure, runs=3)
     assert all("the drum has no lid" in run.log_tail for run in reading.records.values())
+    for source, file in (("", "FILE"), ("my sand.toml", "'my sand.toml'")):
+        with pytest.raises(grainfit.InputError) as refused:
+            read_answer(replace(reading, source=source))
+        assert messages.NO_ANSWER_FAILED.is_in(str(refused.value), file=file)
+    with pytest.raises(grainfit.InputError) as refused:
+        read_answer(replace(reading, state="running"))
+    assert messages.NO_ANSWER_WHILE_RUNNING.is_in(str(refused.value), quoted=f"'{work}'")

@@ -25,7 +25,7 @@ CURVE = Message("the atlas has numbers alone, and this is a curve")
 NO_RESPONSE = Message("too few rows of the atlas have this response")
 NOTHING_TOLD = Message(
     "the atlas tells nothing about any target ({reasons}).",
-    "Calibrate with 'grainfit run', which simulates your own model.",
+    "Calibrate with 'grainfit run', which simulates the tests.",
 )
 NOT_SIMULATED = Message(
     "Estimate by the atlas: not simulated. It is no calibration: 'grainfit run' verifies it."

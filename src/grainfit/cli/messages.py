@@ -34,7 +34,7 @@ OTHER_KIND = Message(
     "{file!r} would have the content of a {kind} file.", "Give a name that ends in {kind}."
 )
 WRITTEN = Message("Wrote {file}. Edit it, then: grainfit check {file}")
-NO_REPORT = Message("No report was written ({reason}).", "'grainfit report {folder}' tries again.")
+NO_REPORT = Message("No report was written ({reason}).", "Try again: grainfit report {folder}")
 
 # Beside a run.
 NO_PAGE = Message("No page follows this run: {reason}.")

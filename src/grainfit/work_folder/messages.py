@@ -83,7 +83,7 @@ NO_RESULT = Message(
 )
 NO_ANSWER_WHILE_RUNNING = Message(
     "there is no answer yet; the calibration in {folder!r} is running.",
-    "Wait for its end: grainfit status {folder}",
+    "Wait for its end: grainfit status {quoted}",
 )
 NO_ANSWER_INTERRUPTED = Message(
     "there is no answer yet; the calibration in {folder!r} was interrupted before.",
@@ -91,7 +91,7 @@ NO_ANSWER_INTERRUPTED = Message(
 )
 NO_ANSWER_FAILED = Message(
     "there is no answer yet; the calibration in {folder!r} failed.",
-    "Remove the cause and start it again: grainfit status {folder}",
+    "Remove the cause, which 'grainfit status' shows, and start it again: grainfit run {file}",
 )
 NO_ANSWER_FILE = Message(
     "there is no answer yet; {result!r} is missing.",

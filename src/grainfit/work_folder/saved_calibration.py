@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -445,5 +446,11 @@ def _no_answer(reading: SavedCalibration) -> Fault:
         "interrupted": messages.NO_ANSWER_INTERRUPTED,
         "failed": messages.NO_ANSWER_FAILED,
     }.get(reading.state, messages.NO_ANSWER_FILE)
-    folder, result = str(reading.folder), str(reading.folder / RESULT_NAME)
-    return message.fault("", **{"folder": folder, "result": result})
+    folder = str(reading.folder)
+    return message.fault(
+        "",
+        folder=folder,
+        quoted=shlex.quote(folder),
+        file=shlex.quote(reading.source) if reading.source else "FILE",
+        result=str(reading.folder / RESULT_NAME),
+    )

@@ -330,7 +330,7 @@ class Command(Solver):
         if found is None:
             raise SolverNotFoundError(messages.NO_PROGRAM(program=program, folder=self._model.path))
         if not os.access(found, os.X_OK):
-            fault = messages.NOT_EXECUTABLE.fault(found.name, path=found)
+            fault = messages.NOT_EXECUTABLE.fault(found.name, path=shlex.quote(str(found)))
             raise InputError(fault, str(self._model.path))
 
     # --- a run -------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ NO_PROGRAM = Message(
     "the program {program!r} is neither on the PATH nor in {folder}.",
     "Install it, or give its path.",
 )
-NOT_EXECUTABLE = Message("cannot be executed.", "Allow it: chmod +x '{path}'")
+NOT_EXECUTABLE = Message("cannot be executed.", "Allow it: chmod +x {path}")
 NO_FUNCTION = Message(
     "{function!r} cannot be called.", "Give a function of the parameters by name and a seed."
 )
