@@ -53,6 +53,13 @@ def test_an_end_of_the_answers_keeps_them_and_it_goes_on_there(tmp_path: Path) -
     assert (tmp_path / "sheet.pdf").read_bytes().startswith(b"%PDF")
 
 
+def test_an_end_at_the_first_question_is_an_interruption_as_well(tmp_path: Path) -> None:
+    output, code = ask(tmp_path, "")
+
+    assert f"\n{messages.INTERRUPTED()}\n" in output
+    assert code == 130
+
+
 def test_a_wrong_answer_is_explained_and_asked_again(tmp_path: Path) -> None:
     output, _ = ask(tmp_path, "\nquux\nwheat\n\n4\n4 mm\n")
 

@@ -17,6 +17,7 @@ from typing_extensions import override
 from grainfit import platforms
 from grainfit.cli import messages
 from grainfit.cli.consoles import err
+from grainfit.cli.documents import json_is_wanted
 from grainfit.cli.exit_codes import INTERRUPTED
 from grainfit.cli.help_texts import GroupWithSummaries
 from grainfit.errors import GrainfitError
@@ -103,8 +104,15 @@ class InterruptibleCommands(GroupWithSummaries):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except (typer.Exit, typer.Abort, GrainfitError):
+        except (typer.Exit, GrainfitError):
             raise
+        except typer.Abort:
+            if json_is_wanted():
+                raise
+            # A prompt that was left, also by the end of the input: the cursor is on its line.
+            err.print()
+            err.print(messages.INTERRUPTED())
+            raise typer.Exit(INTERRUPTED) from None
         except (Exception, KeyboardInterrupt) as error:
             if not (isinstance(error, KeyboardInterrupt) or interruption.count):
                 raise
