@@ -19,6 +19,7 @@ import pytest
 import grainfit as gf
 from grainfit.calibration import messages as of_calibration
 from grainfit.calibration.messages import ALL_FAILED
+from grainfit.metamodels import messages as of_metamodels
 from grainfit.result import RunSummary
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies import messages
@@ -524,6 +525,27 @@ def test_an_interrupted_calibration_says_nothing_of_what_would_decide_it() -> No
     result = gf.calibrate(problem(), stopped)
     assert result.parameters
     assert not any(reason.gives_probability for reason in result.reasons)
+
+
+def test_a_trend_of_few_runs_is_not_called_scatter() -> None:
+    made = 0
+
+    def stopped(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        nonlocal made
+        made += 1
+        if made == 6:
+            raise KeyboardInterrupt
+        return {"height": 0.2 * parameters["restitution"] ** 2}
+
+    falling = gf.Problem(
+        [gf.Parameter("restitution", 0.3, 0.95), gf.Parameter("friction", 0, 1)],
+        [gf.Target("height", 0.12, tolerance=0.0012, unit="m")],
+    )
+    result = gf.calibrate(falling, stopped)
+    quality = result.metamodels["height"]
+    assert of_metamodels.FEW_RUNS.is_in(" ".join(quality.warnings), runs=5)
+    assert quality.noise > 3 * 0.0012
+    assert result.reasons == ()
 
 
 @pytest.mark.usefixtures("ctrl_c")

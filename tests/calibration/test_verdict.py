@@ -20,7 +20,7 @@ from grainfit.metamodels.outliers import Outliers
 from grainfit.result import MetamodelQuality, RunCounts
 from grainfit.strategies.answer import Answer
 from grainfit.verdict import messages
-from grainfit.verdict.evidence import Expected
+from grainfit.verdict.evidence import Expected, Scatter
 from grainfit.verdict.out_of_reach import OutOfReach
 from grainfit.verdict.reasons import (
     FreshSeedsMissing,
@@ -194,6 +194,20 @@ def test_a_response_whose_scatter_makes_it_useless_is_named_with_the_runs_it_tak
         target="angle", scatter="3 %", tolerance="0.5 %", runs=36
     )
     [_] = judged(0.5, quality=quality).reasons
+
+
+def test_scatter_is_said_only_where_runs_tell_it_from_a_trend() -> None:
+    # Five runs of two parameters: what a metamodel cannot explain need not be scatter.
+    known = {
+        "without_trend": ("angle",),
+        "quality": {"angle": MetamodelQuality(0.1, 0.95, 9.0, noise_range=(1.0, 9.0))},
+    }
+    assert judged(0.01, **known).reasons == ()
+    # Runs with equal parameters know their scatter: 1.6 in place of 9.
+    repeated = replace(FRESH, scatter={"angle": Scatter(1.6, 2)})
+    changes, useless = judged(0.01, repeated, **known).reasons
+    assert messages.SCATTER_CHANGES.is_in(str(changes), here="1.6")
+    assert useless == UselessScatter("angle", "deg", 1.6, 0.5, 30.0)
 
 
 def test_with_several_seeds_per_evaluation_words_count_runs() -> None:

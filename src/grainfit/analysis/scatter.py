@@ -362,8 +362,8 @@ class CurveScatter:
         worst, target = int(ratios.argmax()), self.target
         place = on_curve(target.coordinates[worst], target.coordinate, target.coordinate_unit)
         more = (
-            " Raise the number of particles in the test, state a larger uncertainty, or set "
-            "repeats in its [[test]]."
+            " State a larger uncertainty, or repeats, whose mean is one evaluation; a bulk test "
+            "of more particles scatters less."
         )
         return (
             f"{self.name}: one run scatters by {number(float(np.sqrt((ratios**2).mean())), 2)} "

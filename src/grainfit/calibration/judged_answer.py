@@ -221,6 +221,7 @@ def _of_target(
         outlying=_outlying(target, outliers) if outliers and not is_deterministic else None,
         curve=next((basis.target.name for basis in curves if name in basis.names), ""),
         is_deterministic=is_deterministic,
+        has_trend=name not in answer.without_trend,
     )
 
 

@@ -134,7 +134,7 @@ def fresh_runs(
         there,
         [one for one in others if one.proposal.stage != "verification"],
         _expected(problem, parameters, others) if there else {},
-        _scatter(problem, [*others, *there]) if there else {},
+        _scatter(problem, [*others, *there]),
         repeats_records=not repetitions.deterministic
         and any(one.proposal.seed in stale for one in there),
         deterministic=repetitions.deterministic,

@@ -284,6 +284,15 @@ class Kriging(OneLine):
         return np.asarray(np.exp(self._weights @ logarithms))
 
     @property
+    def tells_trend(self) -> bool:
+        """Whether the runs are enough to tell a trend from chance, and so the scatter from both."""
+        return self.n >= self._runs_for_trend
+
+    @property
+    def _runs_for_trend(self) -> int:
+        return RUNS_PER_COEFFICIENT * (self._components[0].effective_dimension + 1)
+
+    @property
     def noise_standard_deviation(self) -> float:
         """Estimated scatter of the response from run to run, in the response's unit."""
         variances = np.array([c.hyperparameters.noise_variance for c in self._components])
@@ -723,11 +732,10 @@ class Kriging(OneLine):
         return [text for text in found if text]
 
     def _warning_of_few_runs(self) -> str:
-        d = self._components[0].effective_dimension
-        needed = RUNS_PER_COEFFICIENT * (d + 1)
-        if self.n >= needed:
+        if self.tells_trend:
             return ""
-        return messages.FEW_RUNS(runs=self.n, parameters=d, needed=needed)
+        d = self._components[0].effective_dimension
+        return messages.FEW_RUNS(runs=self.n, parameters=d, needed=self._runs_for_trend)
 
     def _warning_of_q2(self) -> str:
         quality = self.leave_one_out()

@@ -55,6 +55,9 @@ class Answer(OneLine):
         Targets that no parameter set within the intervals meets.
     quality : mapping of str to MetamodelQuality
         By name of the target.
+    without_trend : tuple of str
+        Targets whose runs are too few to tell a trend from chance: what the metamodel takes for
+        scatter may be a trend.
     reduction : Reduction, optional
         Reduction of the measured curves, whose components are among the targets; None when there
         are no curves.
@@ -72,6 +75,7 @@ class Answer(OneLine):
     runs_by_worth: tuple[str, ...] = ()
     out_of_reach: tuple[OutOfReach, ...] = ()
     quality: Mapping[str, MetamodelQuality] = field(default_factory=dict)
+    without_trend: tuple[str, ...] = ()
     reduction: Reduction | None = None
 
     def reduced(
@@ -118,6 +122,11 @@ def make_answer(
         runs_by_worth=_runs_by_worth(metamodels, point, confidence, costs),
         out_of_reach=tuple(out_of_reach),
         quality=_quality_at(metamodels, point, spread),
+        without_trend=tuple(
+            name
+            for name, model in zip(names, metamodels.models, strict=True)
+            if not model.tells_trend
+        ),
         reduction=metamodels.reduction if metamodels.reduction.bases else None,
     )
 

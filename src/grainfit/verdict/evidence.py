@@ -100,6 +100,8 @@ class TargetEvidence:
         Curve of which it is a component; empty for a response.
     is_deterministic : bool
         Whether the model gives the same for every seed.
+    has_trend : bool
+        Whether the runs are enough to tell a trend from chance; if not, ``noise`` may be one.
     """
 
     name: str
@@ -122,6 +124,14 @@ class TargetEvidence:
     outlying: OutlyingRuns | None = None
     curve: str = ""
     is_deterministic: bool = False
+    has_trend: bool = True
+
+    @property
+    def known_noise(self) -> float | None:
+        """Standard deviation of an evaluation; None where it may as well be a trend."""
+        if self.has_trend:
+            return self.noise
+        return None if self.repeated is None else self.repeated.standard_deviation
 
 
 @dataclass(frozen=True)

@@ -81,8 +81,8 @@ TWO_STATES = Message(
 USELESS_SCATTER = Message(
     "{target} scatters by {scatter} from run to run and tells nothing at its tolerance of "
     "{tolerance}: the mean of about {runs} runs has a standard error as large as the tolerance.",
-    "Raise the number of particles in the test, give a wider tolerance, or set repeats in its "
-    "[[test]].",
+    "Give a wider tolerance, or repeats, whose mean is one evaluation; a bulk test of more "
+    "particles scatters less.",
 )
 OUTLIERS_DECIDE = Message(
     "Undecided because of outlying runs: every target is met with a probability of {with_all} with "

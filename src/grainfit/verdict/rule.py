@@ -246,15 +246,16 @@ def _about_runs(target: TargetEvidence, judgement: Judgement) -> Iterator[Reason
     """Yield what is unusual about the runs of a response."""
     if target.outlying is not None:
         yield target.outlying
-    if target.noise is None or target.is_deterministic:
+    noise = target.known_noise
+    if noise is None or target.is_deterministic:
         return
     if target.noise_range is not None:
-        yield ScatterChanges(target.name, target.unit, *target.noise_range, target.noise)
+        yield ScatterChanges(target.name, target.unit, *target.noise_range, noise)
     if target.has_two_states:
         yield TwoStates(target.name)
     if judgement.status != "calibrated":
         value = target.value if target.is_relative else None
-        scatter = target.noise * math.sqrt(target.repeats)
+        scatter = noise * math.sqrt(target.repeats)
         found = useless_scatter(target.name, target.unit, scatter, target.tolerance, value)
         if found is not None:
             yield found
