@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sqlite3
+import time
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -17,10 +18,13 @@ from grainfit.bulk_tests import messages as of_bulk_tests
 from grainfit.calibration.twins import SizeRatio, Twins, combined
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.real_size import AllRuns
 from grainfit.cli.app import app
 from grainfit.errors import InputError
+from grainfit.evaluation import Evaluation, Proposal
 from grainfit.report import messages as of_pages
 from grainfit.report import verdict_messages as of_report
+from grainfit.result import RunCounts, RunSummary
 from grainfit.verdict import messages as of_verdict
 from grainfit.verdict.full_size import probability_within, status_at_full_size
 from grainfit.verdict.reasons import FullSizeMade, FullSizePending, RealTest
@@ -84,8 +88,10 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     assert interrupted.status == "interrupted"
     assert gf.open("pot.grainfit").state == "predicted"
     assert of_verdict.NOT_MEASURED.is_in(str(interrupted))
+    before = time.monotonic()
     predicted = setup.calibrate()
     assert predicted.status == "predicted"
+    assert predicted.wall_seconds == pytest.approx(time.monotonic() - before, abs=0.5)
     # Every run of the searches and of the sizes, of which those of the first start are known.
     runs = predicted.runs
     assert runs.sizes >= 9
@@ -94,6 +100,7 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
         [(made,)] = store.execute("SELECT count(*) FROM runs")
     assert runs.total == made
     assert 0 < runs.reused < runs.total
+    assert runs.warm_start_runs == 0
     assert not of_verdict.NOT_MEASURED.is_in(str(predicted))
     [pending] = [one for one in predicted.reasons if isinstance(one, FullSizePending)]
     [test] = pending.tests
@@ -102,6 +109,21 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     assert (found.target, found.verified_values) == (1200.0, ())
     assert found.standard_error > 2.0
 
+    _is_shown_as_predicted()
+
+    done = CliRunner().invoke(app, ["run", "pot.toml", "--full-size", "--no-report"])
+    assert done.exit_code == 0, done.output
+    assert of_verdict.FULL_SIZE_AGREES.is_in(done.output)
+    verified = gf.Result.from_json("pot.grainfit/result.json")
+    assert verified.utilisation > 0.1
+    [made] = [one for one in verified.reasons if isinstance(one, FullSizeMade)]
+    assert made.found == pytest.approx(1200, rel=0.03)
+    # The run is known: no start makes it, or forgets it, again.
+    assert setup.calibrate().status == "calibrated"
+    assert gf.open("pot.grainfit").state == "calibrated"
+
+
+def _is_shown_as_predicted() -> None:
     status = CliRunner().invoke(app, ["status", "pot.grainfit"])
     assert "pot: predicted" in status.output
     assert CliRunner().invoke(app, ["report", "pot.grainfit"]).exit_code == 0
@@ -118,16 +140,6 @@ def test_an_answer_is_predicted_until_the_real_apparatus_was_run(
     smaller = apparatus["Apparatus of packing, smaller in the search, given"]
     assert "cylinder radius " in smaller
     assert "cylinder radius 40 mm" not in smaller
-
-    done = CliRunner().invoke(app, ["run", "pot.toml", "--full-size", "--no-report"])
-    assert done.exit_code == 0, done.output
-    assert of_verdict.FULL_SIZE_AGREES.is_in(done.output)
-    verified = gf.Result.from_json("pot.grainfit/result.json")
-    [made] = [one for one in verified.reasons if isinstance(one, FullSizeMade)]
-    assert made.found == pytest.approx(1200, rel=0.03)
-    # The run is known: no start makes it, or forgets it, again.
-    assert setup.calibrate().status == "calibrated"
-    assert gf.open("pot.grainfit").state == "calibrated"
 
 
 def _line_with(words: str, text: str) -> str:
@@ -190,6 +202,34 @@ def test_a_run_at_full_size_is_weighed_with_what_agrees_with_it() -> None:
     # Beyond both intervals the run counts alone.
     assert combined(made(30.0, 1.96, 34.0, 1.96)) == pytest.approx((30.0, 1.0))
     assert of_verdict.FULL_SIZE_DIFFERS.is_in(str(made(30.0, 1.96, 34.0, 1.96)))
+
+
+def test_time_and_runs_are_those_of_all_searches_and_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([0.0, 10.0, 40.0, 100.0])
+    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
+    runs = AllRuns(workers=2)
+
+    def searched(seconds: float, busy: float, warm: int, *made: str) -> gf.Result:
+        counts = RunCounts(design=len(made), total=len(made), warm_start_runs=warm)
+        history = tuple(RunSummary("design", {}, 1, {}, {}, {"": run}) for run in made)
+        parts = "predicted", {}, {}, counts, None, None, None, seconds, busy
+        return gf.Result(*parts, 1.0, "", "", "sequential", 1, "0", history=history)
+
+    first = runs.with_search(searched(10.0, 0.8, 0, "a", "b"))
+    assert (first.wall_seconds, first.utilisation) == (10.0, pytest.approx(0.8))
+    proposal = Proposal({}, 1, "design")
+    sizes = Evaluation(proposal, {}, runs={"": "c"}, simulated_seconds=20.0)
+    known = Evaluation(proposal, {}, runs={"": "d"}, reused=1, seconds=9.0)
+    runs.add_sizes([sizes, known])
+    # Of the runs that the second search knows, all are those of the first.
+    second = runs.with_search(searched(4.0, 0.5, 2, "e"))
+    assert second.wall_seconds == 40.0
+    assert second.utilisation == pytest.approx((16 + 20 + 4) / 80)
+    assert second.runs == RunCounts(design=3, reused=1, total=5, sizes=2)
+    # A run at full size follows.
+    runs.add_sizes([Evaluation(proposal, {}, runs={"": "f"}, simulated_seconds=60.0)])
+    last = runs.counted(second)
+    assert (last.wall_seconds, last.utilisation) == (100.0, pytest.approx(0.5))
 
 
 def test_status_at_full_size() -> None:

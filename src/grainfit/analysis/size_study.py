@@ -258,6 +258,7 @@ def simulate_sizes(
     folder: Path,
     on_start: Callable[[ExpectedWork], None] | None = None,
     on_progress: Callable[[int, int], None] | None = None,
+    on_end: Callable[[Sequence[Evaluation]], None] | None = None,
 ) -> SizeStudy:
     """Simulate a material in apparatus of several sizes, or find the runs in the store.
 
@@ -269,6 +270,8 @@ def simulate_sizes(
         Work folder that keeps the runs; after Ctrl-C, another call continues.
     on_start, on_progress : callable, optional
         See `simulate_batch`.
+    on_end : callable, optional
+        Called with all runs, failed ones included.
 
     Raises
     ------
@@ -298,6 +301,8 @@ def simulate_sizes(
         on_start,
         on_progress,
     )
+    if on_end is not None:
+        on_end(evaluations)
     by_key = {key: label for label, key in labels.items()}
     tests = tuple(_sizes_of(plan, name, by_key, evaluations) for name in plan.solvers)
     if not any(row.responses for test in tests for row in test.rows):

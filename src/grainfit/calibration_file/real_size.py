@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, field, replace
@@ -17,7 +18,7 @@ from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.twins import SizeRatio, Twins
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.twins import SEEDS, first_twins, sizes_at_answer
-from grainfit.campaign.batch import ExpectedWork, simulate_batch
+from grainfit.campaign.batch import simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.open_campaign import open_campaign
@@ -99,7 +100,7 @@ class RealSizeCalibration:
         self._find = search
         self._options = options
         self._result: Result | None = None
-        self._runs = _AllRuns()
+        self._runs = AllRuns(options.workers)
         #: Ratio of each series of sizes, by target.
         self._found: dict[str, list[Prediction]] = {}
 
@@ -131,13 +132,17 @@ class RealSizeCalibration:
         except KeyboardInterrupt:
             if self._result is None:
                 raise
-            return replace(self._result, status="interrupted")
+            return self._runs.counted(replace(self._result, status="interrupted"))
 
     def _say(self, words: str) -> None:
         self._options.on_phase(words)
 
     def _search(self, twins: Twins) -> Result:
         found = self._find(twins)
+        if found.runs.sizes:
+            # Ctrl-C has left the result of an earlier start, with its counts, as it is.
+            self._result = found
+            return found
         self._result = counted = self._runs.with_search(found)
         if counted.runs != found.runs:
             counted.to_json(self._folder / RESULT_NAME)
@@ -186,7 +191,7 @@ class RealSizeCalibration:
             self._options.timeouts,
             self._options.executor,
         )
-        return simulate_sizes(plan, self._folder, self._runs.add_sizes).tests[0]
+        return simulate_sizes(plan, self._folder, on_end=self._runs.add_sizes).tests[0]
 
     def _has_moved(self, before: Twins, after: Twins) -> bool:
         """Return whether a target moved by more than its tolerance from one ratio to another."""
@@ -243,7 +248,8 @@ class RealSizeCalibration:
         for name, solver in solvers.items():
             if why := solver.starts_anew(result.parameters):
                 self._say(messages.STARTS_ANEW(test=name, why=why))
-        [found] = simulate_batch(solvers, [proposal], self._folder, making, self._runs.add_sizes)
+        [found] = simulate_batch(solvers, [proposal], self._folder, making)
+        self._runs.add_sizes([found])
         if len(solvers) == 1 and len(self._solvers) > 1:
             [name] = solvers
             named = {response_name(name, n, 2): one for n, one in found.responses.items()}
@@ -252,7 +258,7 @@ class RealSizeCalibration:
 
     def _keep(self, result: Result) -> Result:
         """Write a result and its status, instead of those of the search."""
-        self._result = result = self._runs.with_sizes(result)
+        self._result = result = self._runs.counted(result)
         folder = self._folder.absolute()
         with hold(folder), closing(RunStore.in_folder(folder)) as store:
             store.end_calibration(result.identity, result.status)
@@ -260,30 +266,46 @@ class RealSizeCalibration:
         return result
 
 
-class _AllRuns:
-    """Runs of all searches, and those that compare sizes."""
+class AllRuns:
+    """Runs of all searches, and those that compare sizes, and the time that they took.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    workers : int
+        Runs at a time.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._started = time.monotonic()
         #: Stage of each run of a search, and whether it failed, by identity.
         self._searched: dict[str, tuple[str, bool]] = {}
-        #: Runs of other sizes, and all runs that this start made.
+        #: Runs of other sizes, and all runs that this start made, with their time, s.
         self._sizes = self._made = 0
+        self._simulated_seconds = 0.0
+        #: Runs of the warm start of the first search: later ones start from the first.
+        self._warm_start: int | None = None
 
-    def add_sizes(self, work: ExpectedWork) -> None:
+    def add_sizes(self, evaluations: Sequence[Evaluation]) -> None:
         """Count runs that compare sizes, or are at full size."""
-        self._sizes += work.runs + work.known
-        self._made += work.runs
+        for one in evaluations:
+            self._sizes += len(one.runs)
+            self._made += len(one.runs) - one.reused
+            self._simulated_seconds += one.simulated_seconds
 
     def with_search(self, result: Result) -> Result:
         """Return the result of one more search with the runs of all."""
         self._made += result.runs.total - result.runs.reused
+        self._simulated_seconds += result.utilisation * self._workers * result.wall_seconds
+        if self._warm_start is None:
+            self._warm_start = result.runs.warm_start_runs
         for one in result.history:
             for test, run in one.runs.items():
                 self._searched.setdefault(run, (one.stage, test in one.failures))
-        return self.with_sizes(result)
+        return self.counted(result)
 
-    def with_sizes(self, result: Result) -> Result:
-        """Return a result with the runs of all searches, and of other sizes."""
+    def counted(self, result: Result) -> Result:
+        """Return a result with the runs of all searches and of other sizes, and the whole time."""
         stages = Counter(stage for stage, _ in self._searched.values())
         total = len(self._searched) + self._sizes
         counts = RunCounts(
@@ -291,10 +313,12 @@ class _AllRuns:
             failed=sum(failed for _, failed in self._searched.values()),
             reused=total - self._made,
             total=total,
-            warm_start_runs=result.runs.warm_start_runs,
+            warm_start_runs=self._warm_start or 0,
             sizes=self._sizes,
         )
-        return replace(result, runs=counts)
+        seconds = time.monotonic() - self._started
+        share = self._simulated_seconds / (self._workers * max(seconds, 1e-9))
+        return replace(result, runs=counts, wall_seconds=seconds, utilisation=min(1.0, share))
 
 
 def _made(name: str, value: float, result: Result) -> FullSizeMade:
