@@ -19,6 +19,8 @@ from grainfit.calibration.twins import SizeRatio, Twins, combined
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.real_size import AllRuns
+from grainfit.calibration_file.run_time import costs_of_runs
+from grainfit.calibration_file.twins import series_of_sizes
 from grainfit.cli.app import app
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal
@@ -190,6 +192,19 @@ def test_check_says_what_is_simulated(tmp_path: Path) -> None:
     [line] = [one for one in plan.lines if messages.TWINS_SIMULATED.is_in(one)]
     assert "150" in line
     assert "502" in line
+
+
+def test_check_counts_the_runs_and_the_time_of_all_sizes(tmp_path: Path) -> None:
+    setup = gf.load(written(tmp_path))
+    whole, series = describe_plan(setup), series_of_sizes(setup.solvers, setup.twins, setup.problem)
+    search = describe_plan(replace(setup, twins={}))
+    # Three sizes with three seeds, one to three times; at each new answer three fresh seeds.
+    assert series.runs == 9
+    assert whole.runs == (search.runs[0] + 9, search.runs[1] + 3 * (9 + 3))
+    assert any(messages.RUNS_WITH_SIZES.is_in(one, high=whole.runs[1]) for one in whole.lines)
+    [cost] = costs_of_runs(setup.problem, setup.simulated).values()
+    assert whole.seconds[0] == pytest.approx(search.runs[0] * cost + series.seconds)
+    assert whole.seconds[1] == pytest.approx((search.runs[1] + 9) * cost + 3 * series.seconds)
 
 
 def made(mean: float, half: float, predicted: float, predicted_half: float) -> FullSizeMade:

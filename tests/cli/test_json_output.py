@@ -124,6 +124,7 @@ def test_runs_documents_have_every_run(sand: Path) -> None:
 def test_check_document_says_whether_it_can_run(sand: Path) -> None:
     plan = document(sand, "check", "sand.toml")
     assert plan["is_ready"] is True
+    assert 0 < plan["runs"][0] <= plan["runs"][1]
     assert plan["parameters"][0] == {
         "name": "friction",
         "minimum": 0.1,

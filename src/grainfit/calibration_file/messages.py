@@ -140,9 +140,9 @@ ALL_SMALL = Message(
     "as they are."
 )
 TWINS_SIMULATED = Message(
-    "Search in smaller apparatus: {tests}; then larger sizes at the answer, which take about "
-    "{series} once to three times. The result is predicted until 'grainfit run FILE --full-size' "
-    "has made one run of each real test. One of {real}."
+    "Search in smaller apparatus: {tests}; then larger sizes at the answer. The result is "
+    "predicted until 'grainfit run FILE --full-size' has made one run of each real test. One of "
+    "{real}."
 )
 FIRST_SEARCH = Message("Search in smaller apparatus: {tests}.")
 NEXT_SEARCH = Message("Search again, with the ratios of the sizes at the answer.")
@@ -286,6 +286,11 @@ PART_OF_SEARCH = Message(
 DEM_RUNS = Message(
     "DEM runs: {runs.to_come}, {runs.design} of them for the design; the last {runs.verification} "
     "or more are fresh seeds at the answer. {workers} at a time. Strategy: {runs.strategy}."
+)
+RUNS_WITH_SIZES = Message(
+    "These are of the first search. Larger sizes at the answer take {series.runs} runs, about "
+    "{time}, once to {series.most} times, with fresh seeds where the answer moves: {low} to {high} "
+    "runs in all."
 )
 TIME_OF_RUNS = Message("Time: {time}, by the estimated cost of a run, with a core for each rank.")
 REPEATS = Message("Test {test}: the mean of {count} runs with different seeds is one evaluation.")

@@ -32,7 +32,7 @@ from grainfit.calibration_file.run_time import (
     expected_runs,
     run_time,
 )
-from grainfit.calibration_file.twins import first_twins, series_seconds
+from grainfit.calibration_file.twins import first_twins, series_of_sizes
 from grainfit.campaign.cluster.executor import describe_cluster, executed_by
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.formatting import counted, duration, in_a_row, millimetres, percent
@@ -73,6 +73,8 @@ class Plan:
         Smallest and largest usual wall time in all, s; None if the cost of a run is not known.
     apparatus : mapping of str to tuple of ApparatusValue
         Apparatus of each built-in test.
+    runs : pair of int, optional
+        Smallest and largest usual number of runs in all; None if the options do not fit.
     """
 
     name: str
@@ -85,6 +87,7 @@ class Plan:
     problems: tuple[str, ...]
     seconds: tuple[float, float] | None = None
     apparatus: Mapping[str, tuple[ApparatusValue, ...]] = field(default_factory=dict)
+    runs: tuple[int, int] | None = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -143,11 +146,12 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     if cluster is not None:
         lines += describe_cluster(cluster)
         executes += [f"cluster: {line}" for line in executed_by(cluster)]
+    runs: ExpectedRuns | None = None
     time: RunTime | None = None
     costs: dict[str, float] = {}
     try:
         with with_lines(setup.file.path):
-            runs = expected_runs(setup.file, setup.problem, setup.solvers)
+            runs = _expected_runs(setup)
         if call_scenes or not any(map(_has_code, setup.solvers.values())):
             costs = costs_of_runs(setup.problem, setup.simulated)
             time = run_time(runs, costs, setup.repeats, setup.workers)
@@ -155,19 +159,19 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     except InputError as error:
         where = f"{error.source}: " if error.source else ""
         problems += [f"{where}{fault}" for fault in error.faults]
-    problem = setup.problem
-    context = context_of(setup.file, problem, setup.solvers, costs, time)
+    context = context_of(setup.file, setup.problem, setup.solvers, costs, time)
     return Plan(
         setup.name,
-        problem.parameters,
-        problem.targets,
-        problem.curves,
+        setup.problem.parameters,
+        setup.problem.targets,
+        setup.problem.curves,
         tuple(lines),
         tuple(executes),
         with_key_lines(setup.file.path, findings(context)),
         tuple(problems),
         time.seconds if time else None,
         apparatus,
+        runs.total if runs else None,
     )
 
 
@@ -257,12 +261,25 @@ def _twin_lines(setup: CalibrationSetup) -> Iterator[str]:
     found = first_twins(setup.solvers, setup.twins, setup.problem)
     tests = in_a_row(f"{one.test} ({one.simulated:,} particles)" for one in found.tests)
     real = in_a_row(map(str, found.tests))
-    seconds = series_seconds(setup.solvers, setup.twins, setup.problem) / setup.workers
-    yield messages.TWINS_SIMULATED(tests=tests, series=duration(seconds), real=real)
+    yield messages.TWINS_SIMULATED(tests=tests, real=real)
+
+
+def _expected_runs(setup: CalibrationSetup) -> ExpectedRuns:
+    runs = expected_runs(setup.file, setup.problem, setup.solvers)
+    if not setup.twins:
+        return runs
+    return replace(runs, series=series_of_sizes(setup.solvers, setup.twins, setup.problem))
 
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:
     yield messages.DEM_RUNS(runs=runs, workers=setup.workers)
+    if runs.series is not None:
+        yield messages.RUNS_WITH_SIZES(
+            series=runs.series,
+            time=duration(runs.series.seconds / setup.workers),
+            low=runs.total[0],
+            high=runs.total[1],
+        )
     if time is not None:
         yield messages.TIME_OF_RUNS(time=time)
     for test, count in setup.repeats.items():

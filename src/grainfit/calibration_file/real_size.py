@@ -17,7 +17,7 @@ from grainfit.analysis.size_trend import Prediction, together
 from grainfit.calibration.timeouts import default_timeouts
 from grainfit.calibration.twins import SizeRatio, Twins
 from grainfit.calibration_file import messages
-from grainfit.calibration_file.twins import SEEDS, first_twins, sizes_at_answer
+from grainfit.calibration_file.twins import MOST_SERIES, SEEDS, first_twins, sizes_at_answer
 from grainfit.campaign.batch import simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.campaign.folder_lock import hold
@@ -33,8 +33,8 @@ from grainfit.solvers.base import Solver
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict.reasons import FullSizeFailed, FullSizeMade
 
-#: Most series of sizes, and most runs at full size.
-_MOST_SERIES, _MOST_FULL = 3, 3
+#: Most runs at full size.
+_MOST_FULL = 3
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class RealSizeCalibration:
             twins = first_twins(self._solvers, self._twins, self._problem)
             self._say(messages.FIRST_SEARCH(tests=_in_words(twins)))
             result = self._search(twins)
-            for _ in range(_MOST_SERIES):
+            for _ in range(MOST_SERIES):
                 if result.status != "predicted":
                     return result
                 updated = self._learn(result, twins)

@@ -30,25 +30,64 @@ _HOURS = 36_000.0
 
 
 @dataclass(frozen=True)
+class SizeSeries:
+    """Runs of several sizes at an answer, between searches in smaller apparatus.
+
+    Parameters
+    ----------
+    runs : int
+        Number of them.
+    seconds : float
+        Their estimated wall time, one run at a time, s.
+    most : int
+        Largest number of such series in a calibration; it has at least one.
+    """
+
+    runs: int
+    seconds: float
+    most: int
+
+
+@dataclass(frozen=True)
 class ExpectedRuns:
     """Expected number of runs of a calibration.
 
     Parameters
     ----------
     to_come : RunsToCome
-        All of them.
+        All of them; with smaller apparatus, those of the first search.
     design : int
         Runs of the design.
     verification : int
         Fewest runs with fresh seeds.
     strategy : str
         Name of the strategy.
+    series : SizeSeries, optional
+        Sizes at an answer; None without smaller apparatus.
     """
 
     to_come: RunsToCome
     design: int
     verification: int
     strategy: str
+    series: SizeSeries | None = None
+
+    @property
+    def of_searches(self) -> tuple[int, int]:
+        """Smallest and largest usual number of runs of all searches.
+
+        One after a series of sizes has fresh seeds of its own where the answer moves.
+        """
+        low, high = self.to_come.range
+        return low, high + (self.series.most * self.verification if self.series else 0)
+
+    @property
+    def total(self) -> tuple[int, int]:
+        """Smallest and largest usual number of runs in all, those of other sizes included."""
+        low, high = self.of_searches
+        if self.series is None:
+            return low, high
+        return low + self.series.runs, high + self.series.most * self.series.runs
 
 
 def expected_runs(
@@ -145,8 +184,12 @@ class RunTime:
         """Smallest and largest usual wall time in all, s."""
         weights = self.repeats
         mean = sum(weights[test] * s for test, s in self.costs.items()) / sum(weights.values())
-        low, high = (math.ceil(runs / self.workers) * mean for runs in self.runs.to_come.range)
-        return low, high
+        low, high = (math.ceil(runs / self.workers) * mean for runs in self.runs.of_searches)
+        series = self.runs.series
+        if series is None:
+            return low, high
+        once = series.seconds / self.workers
+        return low + once, high + series.most * once
 
     @property
     def is_long(self) -> bool:

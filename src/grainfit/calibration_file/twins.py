@@ -12,6 +12,7 @@ from grainfit.calibration.twins import SizeRatio, Twins
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.calibration_file.relatives import relative_keys
+from grainfit.calibration_file.run_time import SizeSeries
 from grainfit.errors import Fault, GrainfitError, InputError
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
@@ -20,6 +21,8 @@ from grainfit.verdict.reasons import RealTest
 _KEY = "strategy.twins"
 #: Sizes at an answer, over that of a twin, and runs of each.
 _SIZES, SEEDS = (1.0, 1.75, 3.0), 3
+#: Most series of sizes.
+MOST_SERIES = 3
 #: Standard error of a ratio: of a recorded change its share, at least; where none is recorded.
 _SHARE_OF_CHANGE, _LEAST, _UNKNOWN = 0.5, 0.02, 0.1
 
@@ -91,24 +94,25 @@ def sizes_at_answer(test: BulkTest, twin: BulkTest) -> list[float]:
     return sizes if len(sizes) > 1 else [share, math.sqrt(share)]
 
 
-def series_seconds(
+def series_of_sizes(
     solvers: Mapping[str, Solver], twins: Mapping[str, Solver], problem: Problem
-) -> float:
-    """Return the estimated wall time of the sizes at one answer, one run at a time, s.
+) -> SizeSeries:
+    """Return the number of runs of the sizes at one answer, and their estimated time.
 
     Parameters
     ----------
     solvers, twins, problem
         As of `first_twins`.
     """
-    return sum(
+    seconds = [
         SEEDS * solver.estimate_cost_of(resized(test, size), material).wall_seconds
         for name, twin in twins.items()
         for solver in [solvers[name]]
         for test in [_test_of(solver)]
         for material in [solver.run_parameters(problem.middle)]
         for size in sizes_at_answer(test, _test_of(twin))
-    )
+    ]
+    return SizeSeries(SEEDS * len(seconds), sum(seconds), MOST_SERIES)
 
 
 def has_twin(test: BulkTest | None, particles: int | None) -> bool:

@@ -155,6 +155,7 @@ def plan_document(file: Path, plan: Plan) -> dict[str, Any]:
         "plan": [line.strip() for line in plan.lines],
         "notes": plan.notes,
         "findings": [asdict(finding) for finding in plan.findings],
+        "runs": plan.runs,
         "seconds": plan.seconds,
         "executes": plan.executes,
         "problems": plan.problems,
