@@ -8,10 +8,12 @@ from pathlib import Path
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.shared import messages as of_stress
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
+from grainfit.solvers.dem import messages as of_programs
 from grainfit.work_folder.saved_calibration import bulk_tests_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -52,6 +54,22 @@ def test_impossible_softer_particles_are_refused_with_their_line(tmp_path: Path)
             loaded(tmp_path, text)
         assert "softer" in str(caught.value)
         assert f"line {text[: text.index('softer = ')].count(chr(10)) + 1}" in str(caught.value)
+
+
+def test_particles_that_are_too_soft_are_a_fault_of_softer(tmp_path: Path) -> None:
+    tests = (EXAMPLES / "three_tests" / "calibration.toml").read_text(encoding="utf-8")
+    pressed = tests.replace('{ min = "5 MPa", max = "10 MPa", scale = "log" }', '"7 MPa"')
+    for text, softer, why in [
+        (GLASS_BEADS, "0.1", of_programs.OUTSIDE_LIMITS),
+        (pressed, '"2000 Pa"', of_stress.TOO_SOFT),
+    ]:
+        written = f"{text}\n[strategy]\nsofter = {softer}\n"
+        with pytest.raises(InputError) as caught:
+            loaded(tmp_path, written)
+        [fault] = caught.value.faults
+        assert f"line {written.count(chr(10))}, strategy.softer: " in str(fault)
+        assert messages.NO_SUCH_RELATIVE.is_in(str(fault))
+        assert why.is_in(str(fault))
 
 
 def test_a_model_of_the_user_has_no_softer_particles(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ OWN_SCENE_HAS_NO_SIZE = Message(
     "Leave it out, or give softer.",
 )
 NO_SUCH_RELATIVE = Message(
-    "makes test {test} impossible: {why}", "Give a value nearer to 1, or leave it out."
+    "makes test {test} impossible: {why}", "Give a value that changes it less, or leave it out."
 )
 
 WITHOUT_ATLAS = Message("The search goes on without the atlas: {why}")

@@ -45,7 +45,7 @@ def relative_solvers(
     ------
     InputError
         Young's modulus is free or not higher than the softer one, no test is simulated, or one is
-        impossible with larger or fewer particles.
+        impossible with softer, larger or fewer particles.
     """
     keys = relative_keys(file.strategy)
     if not keys:
@@ -53,11 +53,11 @@ def relative_solvers(
     chosen = [test for test in file.tests if types_of_test()[test.type].bulk_test is not None]
     if not chosen:
         raise InputError(messages.NO_TEST_HAS_RELATIVES.fault(f"strategy.{keys[0]}"))
-    softened = replace(file, fixed=_softened(file), tests=tuple(chosen))
-    return {
-        name: _changed(file.strategy, name, solver, problem)
-        for name, solver in build(softened).items()
+    fixed = _softened(file)
+    softer = {
+        test.name: _softer(replace(file, fixed=fixed, tests=(test,)), build) for test in chosen
     }
+    return {name: _changed(file.strategy, name, one, problem) for name, one in softer.items()}
 
 
 def relatives_of(
@@ -108,6 +108,21 @@ def _softened(file: CalibrationFile) -> dict[str, float]:
     return {**file.fixed, MODULUS: softer}
 
 
+def _softer(file: CalibrationFile, build: Callable[[CalibrationFile], dict[str, Solver]]) -> Solver:
+    """Return the solver of a file of one test, which is possible with the modulus of the file."""
+    [test] = file.tests
+    try:
+        return build(file)[test.name]
+    except InputError as error:
+        # Their keys and lines are those of the modulus of the file.
+        why = "; ".join(fault.message for fault in error.faults)
+        raise _impossible("softer", test.name, why) from None
+
+
+def _impossible(key: str, test: str, why: str) -> InputError:
+    return InputError(messages.NO_SUCH_RELATIVE.fault(f"strategy.{key}", test=test, why=why))
+
+
 def _changed(strategy: SearchOptions, name: str, solver: Solver, problem: Problem) -> Solver:
     test = solver.bulk_test
     assert test is not None, "only bulk tests have relatives"
@@ -119,9 +134,7 @@ def _changed(strategy: SearchOptions, name: str, solver: Solver, problem: Proble
     try:
         return solver.of_test(_resized(strategy, test, solver.run_parameters(problem.middle)))
     except InputError as error:
-        raise InputError(
-            messages.NO_SUCH_RELATIVE.fault(f"strategy.{key}", test=name, why=error.reasons)
-        ) from None
+        raise _impossible(key, name, error.reasons) from None
 
 
 def _resized(strategy: SearchOptions, test: BulkTest, material: Mapping[str, float]) -> BulkTest:
