@@ -46,6 +46,7 @@ _FACTORS = {
 }
 _USUAL = {name: (unit, by) for unit, names in _FACTORS.items() for name, by in names.items()}
 _EXAMPLES = {
+    "": "0.5",
     "m": "10 mm",
     "Pa": "0.36 MPa",
     "kg/m^3": "2100 kg/m^3",
@@ -229,11 +230,12 @@ def _si_powers(unit: str) -> tuple[int, int, int] | None:
     return mass, length, time
 
 
-def how_to_write(unit: str) -> str:
-    """Return a sentence that shows how to write a quantity of this unit."""
+def how_to_write(unit: str, example: str = "") -> str:
+    """Return a sentence that shows how to write a quantity of this unit; the example is usual."""
+    example = example or example_with(unit)
     if not unit:
-        return "It has no unit: write a plain number, for example 0.5."
-    return f'Write it in {unit}, for example "{example_with(unit)}".'
+        return f"It has no unit: write a plain number, for example {example}."
+    return f'Write it in {unit}, for example "{example}".'
 
 
 def example_with(unit: str) -> str:

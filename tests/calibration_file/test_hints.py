@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import pytest
 
 import grainfit as gf
+from grainfit.bulk_tests.registry import BUILT_IN
 from grainfit.bulk_tests.shear import messages
+from grainfit.calibration_file.layout import LAYOUT
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.errors import Fault, InputError
+from grainfit.options.fields import option_keys
+from grainfit.options.kinds import Kind
+from grainfit.options.places import Findings, Place
+from grainfit.options.tables import Key
 from grainfit.solvers.other_names import OTHER_TESTS, instead_of_program, instead_of_test
 from grainfit.solvers.registry import types_of_test
+from grainfit.strategies.registry import strategies
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
@@ -178,3 +188,52 @@ def test_doors_that_are_named_are_there() -> None:
 
 def test_program_that_is_written_in_capitals_is_recognised() -> None:
     assert instead_of_program("LAMMPS", ["lammps", "yade"]) == 'Did you mean "lammps"?'
+
+
+def keys_and_kinds() -> Iterator[tuple[str, Kind, str]]:
+    """Every kind of a calibration file with its key, and the example of the key."""
+    found: dict[int, object] = {}
+
+    def within(one: object, name: str) -> Iterator[tuple[str, Kind, str]]:
+        if id(one) in found:
+            return
+        found[id(one)] = one
+        if isinstance(one, Key):
+            name = one.name
+            yield name, one.kind, one.example
+        elif isinstance(one, Kind):
+            yield name, one, ""
+        inner: Iterable[object] = ()
+        if isinstance(one, (tuple, list)):
+            inner = one
+        elif isinstance(one, Mapping):
+            inner = one.values()
+        elif is_dataclass(one) and not isinstance(one, type):
+            inner = [getattr(one, known.name) for known in fields(one)]
+        for part in inner:
+            yield from within(part, name)
+
+    yield from within(LAYOUT, "")
+    for options in (*BUILT_IN.values(), *strategies().values()):
+        yield from within(tuple(option_keys(options)), "")
+
+
+def faults_of(kind: Kind, value: object) -> list[str]:
+    findings = Findings(Path())
+    kind.read(value, Place(findings, ("test", 0, "x")))
+    return [str(fault) for fault in findings.faults]
+
+
+def test_every_example_of_a_key_is_accepted_by_its_kind() -> None:
+    seen, refused = 0, []
+    for name, kind, example in keys_and_kinds():
+        # That of Parsl names a file.
+        examples = [example] if example and name != "parsl" else []
+        for wrong in (True, "1 nonsense", "", -1e9, 10**9, "3"):
+            for fault in faults_of(kind, wrong):
+                examples += re.findall(r'(?:or example|such as) (".*?"|[\d.e+-]*\d)', fault)
+        seen += len(examples)
+        values = [tomllib.loads(f"value = {one}")["value"] for one in examples]
+        refused += [(name, value) for value in values if faults_of(kind, value)]
+    assert seen > 500
+    assert refused == []

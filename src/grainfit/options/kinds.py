@@ -12,6 +12,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from grainfit.errors import Fault
@@ -163,7 +164,8 @@ class Whole(Kind):
     def read(self, value: Any, place: Place) -> int | None:
         """Read a whole number."""
         if not isinstance(value, int) or isinstance(value, bool):
-            note_wrong_kind(value, place, "a whole number", f"For example {max(self.lowest, 4)}.")
+            example = min(max(self.lowest, 4), self.highest)
+            note_wrong_kind(value, place, "a whole number", f"For example {example}.")
         elif not self.lowest <= value <= self.highest:
             limits = self.limits() if value < self.lowest else self._both_limits()
             place.fault(messages.COUNT_OUT_OF_LIMITS, given=show(value), limits=limits)
@@ -213,23 +215,25 @@ class Quantity(Kind, OneLine):
         number = self._number(value, place)
         if number is None:
             return None
-        return self._checked(number, self._shown(value), self._hint(value), place)
+        return self._checked(number, self._shown(value), partial(self._hint, value), place)
 
     def read_converted(self, number: float, place: Place) -> float | None:
         """Check a number that is in `unit` already, such as one of a column with a unit."""
-        return self._checked(number, show(number), "", place)
+        return self._checked(number, show(number), str, place)
 
-    def _checked(self, number: float, shown: str, hint: str, place: Place) -> float | None:
+    def _checked(
+        self, number: float, shown: str, hint: Callable[[], str], place: Place
+    ) -> float | None:
         if not math.isfinite(number):
             place.fault(messages.NOT_FINITE, given=number)
         elif not is_computable(number):
             place.fault(messages.NO_SUCH_SIZE, given=shown)
         elif self.above_zero and number <= 0:
             place.fault(messages.NOT_ABOVE_ZERO, given=shown)
-        elif not self.lowest <= number <= self.highest:
+        elif not self._accepts(number):
             why = f" {self.why}" if self.why else ""
             place.fault(
-                messages.OUT_OF_LIMITS, given=shown, limits=self.limits(), why=why, hint=hint
+                messages.OUT_OF_LIMITS, given=shown, limits=self.limits(), why=why, hint=hint()
             )
         else:
             return number
@@ -242,8 +246,7 @@ class Quantity(Kind, OneLine):
             except OverflowError:
                 return math.inf
         if not isinstance(value, str):
-            remedy = how_to_write(self.unit) if self.unit is not None else ""
-            note_wrong_kind(value, place, self._words(), remedy)
+            note_wrong_kind(value, place, self._words(), self._how_to_write())
             return None
         if self.unit is None:
             place.fault(messages.UNIT_OF_MODEL_UNKNOWN, given=show(value))
@@ -255,7 +258,26 @@ class Quantity(Kind, OneLine):
             return None
 
     def _unreadable(self, error: UnitError, place: Place) -> None:
-        place.refuse(error)
+        # An error of units knows no limits: its example may be outside of them.
+        is_usual = error.remedy == how_to_write(self.unit or "")
+        remedy = self._how_to_write() if is_usual else error.remedy
+        place.refuse(Fault("", error.message, remedy))
+
+    def _how_to_write(self) -> str:
+        return "" if self.unit is None else how_to_write(self.unit, self._example())
+
+    def _example(self) -> str:
+        """Return the usual example of the unit, or a value within the limits."""
+        unit = self.unit or ""
+        usual = example_with(unit)
+        if self._accepts(to_unit(usual, unit)):
+            return usual
+        within = (2 * self.lowest, self.highest / 2, self.lowest, self.highest)
+        found = (f"{number:.2g}" for number in within if math.isfinite(number))
+        return next((f"{one} {unit}".rstrip() for one in found if self._accepts(float(one))), usual)
+
+    def _accepts(self, number: float) -> bool:
+        return self.lowest <= number <= self.highest and not (self.above_zero and number <= 0)
 
     def _may_lack_unit(self, value: Any) -> bool:
         """Return whether a value may have been meant in another unit; of angles nobody does."""
@@ -270,7 +292,7 @@ class Quantity(Kind, OneLine):
         """Return how to write a plain number that was meant in another unit."""
         if not self.unit or not self._may_lack_unit(value):
             return ""
-        return f' Give it with its unit, such as "{example_with(self.unit)}".'
+        return f' Give it with its unit, such as "{self._example()}".'
 
     def _words(self) -> str:
         return f"a number or a quantity in {self.unit}" if self.unit else "a number"
@@ -313,7 +335,7 @@ class Share(Quantity):
         self,
         number: float,
         shown: str,
-        hint: str,  # noqa: ARG002
+        hint: Callable[[], str],  # noqa: ARG002
         place: Place,
     ) -> float | None:
         if 0 < number <= self.highest:
