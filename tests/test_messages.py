@@ -207,3 +207,13 @@ def test_a_value_that_ends_with_a_full_stop_gets_no_other() -> None:
     assert message.is_in(said, **values)
     assert message.is_in(said)
     assert Message("Files: {names}.csv")(names="a.") == "Files: a..csv"
+
+
+@pytest.mark.parametrize("room", ["cards", "solvers/dem", "which_test"])
+def test_no_message_that_python_shows_too_names_an_option_of_the_command_line(room: str) -> None:
+    catalogue = SOURCE / "grainfit" / room / "messages.py"
+    assert catalogue in CATALOGUES
+    for name, message in messages_of(catalogue).items():
+        # Within a whole command, an option is true everywhere.
+        others = re.sub(r"'grainfit [^']*'|docker run .*", "", f"{message.text} {message.remedy}")
+        assert " --" not in others, name

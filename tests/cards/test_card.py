@@ -407,7 +407,7 @@ def test_a_model_of_ones_own_makes_cards_for_programs_and_no_others(
         with pytest.raises(InputError) as refused:
             render(card, to)
         assert f"a card for {to} needs particle.youngs_modulus, " in str(refused.value)
-        assert "--to json" in str(refused.value)
+        assert "json or csv" in str(refused.value)
 
 
 def test_the_card_of_a_model_of_ones_own_has_the_particles_of_its_file(tmp_path: Path) -> None:

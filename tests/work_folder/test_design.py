@@ -265,6 +265,11 @@ def test_the_command_prints_combinations_and_a_recommendation(plan: Path) -> Non
         (FILE, ["--test", "heep"], r"'heep' is not a bulk test.*heap"),
         (FILE, ["--max-time", "10"], r"max-time.*no unit"),
         (FILE, ["--max-time", "0 s"], r"max-time.*above 0"),
+        (
+            FILE,
+            ["--max-time", "5 min", "--seeds", "2"],
+            r"^seeds: .*\nmax-time: is for",
+        ),
         (FILE + "targets.angle_of_repose = 1\n", [], r"line \d+, test 1, targets.*a table"),
         (FILE + 'targets.bulk_density = { uncertainty = "0 %" }\n', [], r"above 0 %"),
         (FILE + 'targets.angle = { uncertainty = "1 deg" }\n', [], r"angle_of_repose"),

@@ -10,7 +10,7 @@ OTHER_DEFINITION = Message(
 # Cards of other programs.
 OTHER_NEEDS = Message(
     "a card for {program} needs {missing}, which this calibration does not have.",
-    "Give them in the calibration file and run it again, or use --to json or --to csv.",
+    "Give them in the calibration file and run it again, or use the format json or csv.",
 )
 NOT_RUN = Message(
     "grainfit does not run {program}: repeat a bulk test with these values before you rely on them."
@@ -20,5 +20,5 @@ NO_DASHPOT = Message(
 )
 NO_CLUMPS = Message(
     "the particles of the calibration are clumps of spheres.",
-    "--to json has their places and radii: build them in the program.",
+    "The format json has their places and radii: build them in the program.",
 )

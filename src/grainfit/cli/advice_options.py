@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Annotated
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Annotated, Any
 
 import typer
 
@@ -46,7 +48,25 @@ Seeds = Annotated[
 ]
 Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before simulating.")]
 
-comparing = partial(simulating, "reading the runs", "parameter sets")
+#: Options that are called otherwise than the argument of Python.
+_OPTIONS = {"max_seconds": "max-time"}
+
+
+@contextmanager
+def comparing(*, ask: bool) -> Iterator[dict[str, Any]]:
+    """Yield callbacks that show the progress of simulated trials, see `simulating`.
+
+    Raises
+    ------
+    InputError
+        Of what is compared, by the names of the options.
+    """
+    try:
+        with simulating("reading the runs", "parameter sets", ask=ask) as report:
+            yield report
+    except InputError as error:
+        faults = [replace(one, key=_OPTIONS.get(one.key, one.key)) for one in error.faults]
+        raise InputError(faults, error.source) from None
 
 
 def read_seconds(text: str | None) -> float | None:

@@ -25,7 +25,7 @@ ANGLES_DO_NOT_HELP = Message(
 SLOPES_OF_DRY_SPHERES = Message(
     "What the tests leave open is estimated with the slopes of dry spheres in {tests}, of which "
     "the atlas does not have these particles.",
-    "'grainfit design --simulate' finds them.",
+    "Simulated trials find them: 'grainfit design --simulate'.",
 )
 EFFECT_NOT_TOLD = Message(
     "The atlas does not tell how the tests respond to {names}, so it is not known how far they "
@@ -53,7 +53,7 @@ UNKNOWN_TEST = Message("{name!r} is not a bulk test.", "{known}")
 IS_FITTED = Message("the calibration has it already")
 NOTHING_SIMULATED = Message(
     "is for simulated trials, and the atlas answers without any.",
-    "Add --simulate (simulate=True), or leave it out.",
+    "Ask for them (simulate), or leave it out.",
 )
 ONLY_OWN_MODELS = Message(
     "all tests are simulated by models of your own.",
@@ -69,7 +69,7 @@ RUNS_DO_NOT_COUNT = Message("{test}: {share} failed and do not count. The first:
 RUNS_FAILED = Message("Its runs failed: {reason}.")
 TOO_FEW_RUNS = Message("Too few of its runs ended in time.")
 NO_TIME = Message("is {given!r}.", "Give a time above 0 s.")
-NOT_IN_ATLAS = Message("The atlas has no rows of it; --simulate compares it.")
+NOT_IN_ATLAS = Message("The atlas has no rows of it; simulated trials compare it.")
 OWN_MODEL = Message("It is a model of your own, of which the atlas tells nothing.")
 NO_TEST_COMPARED = Message("No test could be compared.")
 NO_FURTHER_TEST_COMPARED = Message("No further test could be compared.")
@@ -77,14 +77,15 @@ NO_FURTHER_TEST_COMPARED = Message("No further test could be compared.")
 # Which set of tests.
 NO_SHARE = Message("is {given!r}.", "Give a share above 0, such as 0.2.")
 ATLAS_OF_DRY_SPHERES = Message(
-    "In {tests} the slopes of the atlas are those of spheres without cohesion; --simulate finds "
-    "those of this material."
+    "In {tests} the slopes of the atlas are those of spheres without cohesion; simulated trials "
+    "find those of this material."
 )
 COUNTS_AS_KNOWN = Message(
-    "The atlas does not tell what {name} does: it counts as known. --simulate finds it. {otherwise}"
+    "The atlas does not tell what {name} does: it counts as known. Simulated trials find it. "
+    "{otherwise}"
 )
 EFFECT_ON_TESTS_NOT_TOLD = Message(
-    "The atlas does not tell what {name} does to {tests}; --simulate finds it."
+    "The atlas does not tell what {name} does to {tests}; simulated trials find it."
 )
 SLOPES_BY_ATLAS = Message("Slopes are those of the atlas, see docs/choosing_tests.md.")
 SETTLED_BY = Message("Measure {tests}: that settles {wanted}.")
@@ -96,7 +97,9 @@ NOT_SETTLED_TO = Message("None of these tests settles {name} to ± {wanted}. {ot
 NOTHING_AGREES = Message("{why}", "Widen an interval first: see the report.")
 NO_POSTERIOR = Message("{why}", "Let the calibration make more runs first.")
 TOO_FEW_RUNS_YET = Message("There are too few runs.")
-NEXT_BY_ATLAS = Message("By the atlas: nothing was simulated; --simulate does.")
+NEXT_BY_ATLAS = Message(
+    "By the atlas: nothing was simulated. Trials are simulated on demand (simulate)."
+)
 ALL_DETERMINED = Message("Every parameter is determined: no further test is needed.")
 DO_NEXT = Message("Do next: {test}. It would leave {left}. Measure {responses}.")
 NOTHING_WORTH_DOING = Message("None of these tests tells noticeably more than the runs do.")

@@ -101,7 +101,7 @@ CALIBRATED_ELSEWHERE = Message(
 NOT_ON_CARD = Message("is {value:g}, which no card for {solver} can hold.", "{limits}")
 CARD_NEEDS = Message(
     "a card for {solver} needs {missing}, which this calibration does not have.",
-    "Give them in the calibration file and run it again, or use --to json or --to csv and insert "
+    "Give them in the calibration file and run it again, or use the format json or csv and insert "
     "the values in your model.",
 )
 LONG_TIME_STEP = Message(
