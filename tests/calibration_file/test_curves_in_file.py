@@ -662,7 +662,7 @@ def test_repeated_runs_of_a_curve_that_scatters_say_how_many_it_takes(
     largest = max(curve.in_uncertainties)
     assert curve.runs_for_tolerance == np.ceil((1.96 * largest / 2) ** 2) > 20
     assert f"the mean of {curve.runs_for_tolerance} runs is within 2 σ at each point" in str(runs)
-    assert "set repeats" in str(runs)
+    assert "repeats" in str(runs)
 
 
 def test_repeated_runs_say_which_curves_they_do_not_show(

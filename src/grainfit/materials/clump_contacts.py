@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from grainfit.arrays import Array
+from grainfit.materials.touching import Touching
 
 #: Overlap at which contacts of two clumps are counted, over the diameter of their largest sphere.
 OVERLAP = 0.04
@@ -15,25 +16,6 @@ OVERLAP = 0.04
 _PLACES, _SEED = 1500, 20261129
 #: Stiffness of a sphere of diameter 1 at that overlap, over its modulus.
 _OF_SPHERE = math.sqrt(0.25 * OVERLAP)
-
-
-class Touching(NamedTuple):
-    """Contact of two particles, over that of two spheres of their volume.
-
-    Parameters
-    ----------
-    frequency : float
-        Frequency of the contact.
-    damping : float
-        Damping ratio of the contact: the dashpots of all spheres that touch act at once.
-    """
-
-    frequency: float
-    damping: float
-
-
-#: Contact of two spheres.
-ONE_PAIR = Touching(1.0, 1.0)
 
 
 def touching_of(positions: Array, radii: Array, moments: tuple[float, ...]) -> Touching:

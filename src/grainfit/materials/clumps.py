@@ -10,7 +10,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from grainfit.materials.clump_contacts import OVERLAP, Touching, touching_of
+from grainfit.materials.clump_contacts import OVERLAP, touching_of
+from grainfit.materials.touching import Touching
 
 #: Lines across the longest side of a clump along which its volume is integrated.
 _LINES = 480

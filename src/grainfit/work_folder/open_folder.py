@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args
 
-from grainfit.calibration.live_file import read_live_state
 from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.pending import executing
 from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
@@ -79,6 +78,9 @@ class OpenFolder:
         under_way = self.under_way(statuses)
         if self.calibration is None or not under_way:
             return under_way
+        # Imported here: the status of a calibration that does not run needs no NumPy.
+        from grainfit.calibration.live_file import read_live_state
+
         live = read_live_state(self.folder, self.calibration.identity)
         return executing(under_way, self.workers, live.jobs if live else ())
 

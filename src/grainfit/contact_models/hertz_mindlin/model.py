@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from grainfit.materials.clump_contacts import ONE_PAIR, Touching
+from grainfit.materials.touching import ONE_PAIR, Touching
 from grainfit.materials.walls import same_on_walls
 
 #: Contact time of an elastic impact, divided by largest overlap over speed:
