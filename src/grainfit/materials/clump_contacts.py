@@ -12,8 +12,10 @@ from grainfit.materials.touching import Touching
 
 #: Overlap at which contacts of two clumps are counted, over the diameter of their largest sphere.
 OVERLAP = 0.04
-#: Places of a second clump above the first that are tried, and the beginning of their numbers.
-_PLACES, _SEED = 1500, 20261129
+#: Places of a second clump above the first that are tried; fewer of clumps of so many spheres that
+#: there would be more pairs than that, and the beginning of their random numbers.
+_PLACES, _FEWEST_PLACES, _PAIRS = 1500, 100, 1_000_000
+_SEED = 20261129
 #: Stiffness of a sphere of diameter 1 at that overlap, over its modulus.
 _OF_SPHERE = math.sqrt(0.25 * OVERLAP)
 
@@ -36,9 +38,10 @@ def touching_of(positions: Array, radii: Array, moments: tuple[float, ...]) -> T
         Principal moments of inertia over the mass.
     """
     random = np.random.default_rng(_SEED)
-    lower, upper = (_turned(positions, np.array(moments), random) for _ in range(2))
+    places = max(_FEWEST_PLACES, min(_PLACES, _PAIRS // len(radii) ** 2))
+    lower, upper = (_turned(places, positions, np.array(moments), random) for _ in range(2))
     reach = float((np.linalg.norm(positions, axis=1) + radii).max())
-    beside = random.uniform(-1.4, 1.4, (_PLACES, 2)) * reach
+    beside = random.uniform(-1.4, 1.4, (places, 2)) * reach
     sums = radii[:, None] + radii
     apart = upper.places[:, None, :, :] - lower.places[:, :, None, :]
     apart[..., :2] += beside[:, None, None, :]
@@ -66,8 +69,8 @@ class _Turned(NamedTuple):
         return found
 
 
-def _turned(positions: Array, moments: Array, random: np.random.Generator) -> _Turned:
-    w, x, y, z = (q := random.normal(size=(4, _PLACES))) / np.linalg.norm(q, axis=0)
+def _turned(places: int, positions: Array, moments: Array, random: np.random.Generator) -> _Turned:
+    w, x, y, z = (q := random.normal(size=(4, places))) / np.linalg.norm(q, axis=0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
