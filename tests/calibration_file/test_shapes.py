@@ -168,6 +168,17 @@ def test_clumps_whose_spheres_nearly_coincide_are_noted(tmp_path: Path) -> None:
     assert not noted("grain", "1.5")
 
 
+def test_a_low_restitution_slows_clumps_whose_spheres_touch_at_once(tmp_path: Path) -> None:
+    lines = 'shape = "grain"\naspect_ratio = 1.5'
+    setup = setup_with(tmp_path, lines)
+    path = setup.file.path
+    path.write_text(path.read_text(encoding="utf-8").replace("0.79", "0.3"), encoding="utf-8")
+
+    bouncy, sluggish = setup.notes(), build_calibration(load_calibration_file(path)).notes()
+    assert not any(map(of_checks.NEAR_SPHERES.is_in, bouncy))
+    assert any(map(of_checks.NEAR_SPHERES.is_in, sluggish))
+
+
 def test_the_time_step_follows_a_free_aspect_ratio(tmp_path: Path) -> None:
     lines = 'shape = "grain"\naspect_ratio = { min = 1.2, max = 2.0 }'
     setup = setup_with(tmp_path, lines)

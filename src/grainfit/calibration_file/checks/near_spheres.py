@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
+from grainfit.bulk_tests.time_steps import least_stable
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
+from grainfit.contact_models.hertz_mindlin.model import clump_factor
 from grainfit.formatting import percent
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
 
@@ -29,7 +31,7 @@ def near_spheres(context: FileContext) -> Iterator[Found]:
     is_free = any(p.name == ASPECT_RATIO for p in context.problem.parameters)
     if lowest == 1 and not is_free:
         return
-    share = _share_of_time_step(shape, lowest)
+    share = _share_of_time_step(shape, lowest, least_stable(context.intervals))
     if share >= _SLOW:
         return
     found = messages.NEAR_SPHERES(
@@ -42,7 +44,10 @@ def near_spheres(context: FileContext) -> Iterator[Found]:
     yield ASPECT_RATIO, found
 
 
-def _share_of_time_step(shape: ParticleShape, aspect_ratio: float) -> float:
+def _share_of_time_step(
+    shape: ParticleShape, aspect_ratio: float, material: Mapping[str, float]
+) -> float:
     clump = shape.with_aspect_ratio(max(aspect_ratio, _NEAREST)).clump
     assert clump is not None
-    return clump.rayleigh_radius / clump.smallest_radius
+    stiffer = clump.rayleigh_radius / clump.smallest_radius
+    return stiffer * clump_factor(material, clump.touching)
