@@ -18,6 +18,7 @@ from grainfit.cli.app import app
 
 ROOT = Path(__file__).parents[2]
 BEADS = (ROOT / "examples" / "glass_beads" / "calibration.toml").read_text(encoding="utf-8")
+THREE_TESTS = (ROOT / "examples" / "three_tests" / "calibration.toml").read_text(encoding="utf-8")
 BLADE = (ROOT / "examples" / "blade" / "calibration.toml").read_text(encoding="utf-8")
 REFERENCE = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
 
@@ -109,7 +110,7 @@ CASES = {
         changed((RESTITUTION, "restitution = { min = 0.5, max = 0.9 }")),
         "",
     ),
-    "further-response": ("note", BEADS, ""),
+    "further-response": ("note", THREE_TESTS, ""),
     "mpi-ranks": ("warning", heap("ranks = 4096"), ""),
     "more-ranks": ("note", f"{BEADS}\n[strategy]\nworkers = 1\n", ""),
     "soft-particles": ("note", BEADS, "youngs_modulus = "),
@@ -321,7 +322,6 @@ def test_json_lists_what_the_terminal_shows(folder: Path) -> None:
         "assumed-size",
         "surplus-particles",
         "short-timeout",
-        "further-response",
     ]
     assert findings[2]["key"] == "test[0].particle_count"
     assert [finding["text"] for finding in findings] == document["notes"]
