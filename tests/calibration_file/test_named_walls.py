@@ -98,7 +98,7 @@ def test_every_wall_has_its_own_parameters(tmp_path: Path) -> None:
 
 
 def test_the_measured_angle_of_each_wall_is_reported(tmp_path: Path) -> None:
-    notes = setup_of(tmp_path, TWO_WALLS).file.notes
+    notes = tuple(setup_of(tmp_path, TWO_WALLS).file.measured_angles.values())
 
     assert notes[0].startswith("particle_wall.steel.sliding_friction is 0.2126, the tangent")
     assert notes[1].startswith(f"{SLIDING} is 0.4, the tangent")

@@ -154,8 +154,8 @@ class CalibrationFile(OneLine):
         Cluster jobs for the runs, if the file has them.
     contact_models : tuple of str
         Contact models that replace the usual ones of their kind.
-    notes : tuple of str
-        Parameters that have been measured, for people.
+    measured_angles : mapping of str to str
+        What is said of frictions that were measured as angles, by name.
     tables : tuple of str
         How the tables that the file names were understood, one line each.
     holdouts : tuple of TestSpecification
@@ -173,7 +173,7 @@ class CalibrationFile(OneLine):
     strategy: SearchOptions
     cluster: ClusterOptions | None = None
     contact_models: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    measured_angles: Mapping[str, str] = field(default_factory=dict)
     tables: tuple[str, ...] = ()
     holdouts: tuple[TestSpecification, ...] = ()
     photographs: tuple[PhotographedTarget, ...] = ()

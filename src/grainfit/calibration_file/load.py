@@ -148,7 +148,7 @@ def _calibration_file(values: dict[str, Any], path: Path, findings: Findings) ->
         strategy=values.get("strategy", SearchOptions()),
         cluster=values.get("cluster"),
         contact_models=chosen_models(values),
-        notes=tuple(str(angle) for angle in angles),
+        measured_angles={angle.name: str(angle) for angle in angles},
         holdouts=tuple(values.get("holdout", ())),
         tables=tuple(findings.tables),
         photographs=tuple(findings.photographs),

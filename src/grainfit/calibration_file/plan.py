@@ -136,7 +136,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     lines += _twin_lines(setup)
     _add_holdouts(setup, call_scenes, lines, executes, problems)
     lines += chosen_model_lines(setup.file)
-    lines += setup.file.notes
+    lines += setup.file.measured_angles.values()
     lines += [f"Table {line}." for line in setup.file.tables]
     lines += chain(*(one.lines() for one in setup.file.photographs))
     lines += size_lines(setup.file.sizes, setup.bulk_tests, _middle(setup))

@@ -49,8 +49,8 @@ def unusual_value(context: FileContext) -> Iterator[Found]:
 
 def _frictions(context: FileContext) -> Iterator[Found]:
     for name, value in context.fixed.items():
-        # The tangent of a measured angle is in the notes, and was no slip.
-        is_given = not any(note.startswith(f"{name} is") for note in context.file.notes)
+        # The tangent of a measured angle was no slip.
+        is_given = name not in context.file.measured_angles
         if plain_name(name) in (SLIDING, WALL_SLIDING) and value > USUAL_FRICTION and is_given:
             tangent = friction_of_angle(value)
             yield name, messages.LARGE_FRICTION(name=name, value=value, tangent=tangent)
