@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 from grainfit import ground_messages as messages
 from grainfit.errors import Fault
@@ -49,7 +49,18 @@ def is_computable(value: float) -> bool:
     return value == 0 or SMALLEST <= abs(value) <= LARGEST
 
 
-def whole_number_faults(given: Mapping[str, object]) -> list[Fault]:
+def is_whole(value: object) -> TypeGuard[int]:
+    """Return True for a whole number; a bool is none here.
+
+    Examples
+    --------
+    >>> is_whole(3), is_whole(True), is_whole(3.0)
+    (True, False, False)
+    """
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def whole_number_faults(given: Mapping[str, Any]) -> list[Fault]:
     """Return a fault for every value that is not a whole number from 1 on.
 
     Parameters
@@ -60,7 +71,7 @@ def whole_number_faults(given: Mapping[str, object]) -> list[Fault]:
     return [
         messages.NO_COUNT.fault(name, given=value)
         for name, value in given.items()
-        if not isinstance(value, int) or isinstance(value, bool) or value < 1
+        if not is_whole(value) or value < 1
     ]
 
 

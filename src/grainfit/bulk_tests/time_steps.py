@@ -11,7 +11,7 @@ from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import UnderLoad
 from grainfit.contact_models.hertz_mindlin.model import clump_factor
 from grainfit.contact_models.registry import contact_law, simulated_material
-from grainfit.materials.particle_shape import ASPECT_RATIO
+from grainfit.materials.particle_shape import ASPECT_RATIO, NEAREST_CLUMP
 from grainfit.scenes.packing import mean_particle_volume
 
 #: Solid height of a bed whose cross-section changes, in diameters: that of most default tests.
@@ -21,8 +21,6 @@ _USUAL_LAYERS = 7.0
 STEPS_BY_MODULUS = 1 / 2 - 1 / 6
 #: Smallest share that is rounded down to a percent.
 _PERCENT = 0.01
-#: Aspect ratio from which on an interval that begins at 1, a sphere, has clumps.
-_NEAR_SPHERES = 1.001
 _LOWER_IS_WORSE = (".restitution", ".youngs_modulus")
 
 
@@ -54,7 +52,7 @@ def least_safe_fraction(
     low, high = intervals.get(ASPECT_RATIO, (1.0, 1.0))
     if low == high:
         return safe_time_step_fraction(test, material, contact_models)
-    ends = (max(low, _NEAR_SPHERES), high)
+    ends = (max(low, NEAREST_CLUMP), high)
     return min(
         safe_time_step_fraction(test, {**material, ASPECT_RATIO: ratio}, contact_models)
         for ratio in ends
@@ -113,7 +111,7 @@ def with_safe_time_step(
 ) -> BulkTest:
     """Return a test with a time step of the usual share at most, see `usual_time_step_fraction`."""
     usual = usual_time_step_fraction(test, intervals, contact_models)
-    return test.with_time_step_fraction(min(test.setup.time_step_fraction, usual))
+    return test.with_time_step_fraction(usual) if usual < test.setup.time_step_fraction else test
 
 
 def _largest_stress(test: BulkTest, material: Mapping[str, float]) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from grainfit.bulk_tests.abilities import user_functions
@@ -93,12 +93,8 @@ def relatives_of(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, S
     ]
     faults += [messages.NO_RELATIVE.fault(test) for test in solvers if test not in declared]
     InputError.raise_for(faults)
-    names = {parameter.name for parameter in problem.parameters}
     return {
-        one.name: _without(
-            solvers[test].within(problem.intervals),
-            names.difference(problem.scope_of_test(test).parameters),
-        )
+        one.name: _ready(problem, solvers[test], problem.scope_of_test(test).parameters)
         for test, one in declared.items()
     }
 
@@ -131,14 +127,10 @@ def restricted(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, Sol
 
     So the runs of a test are the same, and have the same identity, at all values of these.
     """
-    ready = {test: solver.within(problem.intervals) for test, solver in solvers.items()}
     if len(solvers) < 2:
-        return ready
-    names = {parameter.name for parameter in problem.parameters}
-    return {
-        test: _without(ready[test], names.difference(used))
-        for test, used in used_parameters(problem, solvers).items()
-    }
+        return {test: _ready(problem, one, problem.intervals) for test, one in solvers.items()}
+    used = used_parameters(problem, solvers)
+    return {test: _ready(problem, solvers[test], names) for test, names in used.items()}
 
 
 def restricted_to_used(problem: Problem, solver: Solver) -> tuple[Problem, Solver]:
@@ -155,7 +147,7 @@ def restricted_to_used(problem: Problem, solver: Solver) -> tuple[Problem, Solve
         raise InputError(messages.IDLE_TEST.fault(""))
     kept = [parameter for parameter in problem.parameters if parameter.name in used]
     without = Problem(kept, problem.targets, curves=problem.curves)
-    return without, _without(solver.within(problem.intervals), set(names).difference(used))
+    return without, _ready(problem, solver, used)
 
 
 def _test_of(target: str, tests: Collection[str]) -> str:
@@ -164,10 +156,10 @@ def _test_of(target: str, tests: Collection[str]) -> str:
     return max(found, key=len, default="")
 
 
-def _without(solver: Solver, unused: set[str]) -> Solver:
-    if not unused:
-        return solver
-    return ParametersFor(solver, takes=AllBut(frozenset(unused)))
+def _ready(problem: Problem, solver: Solver, used: Iterable[str]) -> Solver:
+    """Return a solver for the intervals of a problem, passed none of the parameters not used."""
+    ready, unused = solver.within(problem.intervals), problem.intervals.keys() - set(used)
+    return ParametersFor(ready, takes=AllBut(frozenset(unused))) if unused else ready
 
 
 def _seconds(problem: Problem, solver: Solver) -> float | None:

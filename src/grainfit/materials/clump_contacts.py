@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from grainfit.arrays import Array
 from grainfit.materials.touching import Touching
@@ -70,13 +71,8 @@ class _Turned(NamedTuple):
 
 
 def _turned(places: int, positions: Array, moments: Array, random: np.random.Generator) -> _Turned:
-    w, x, y, z = (q := random.normal(size=(4, places))) / np.linalg.norm(q, axis=0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    axes = np.moveaxis(np.array(rows), 2, 0)
+    w, x, y, z = random.normal(size=(4, places))
+    axes = Rotation.from_quat(np.column_stack((x, y, z, w))).as_matrix()
     return _Turned(np.einsum("nij,kj->nki", axes, positions), axes, moments)
 
 

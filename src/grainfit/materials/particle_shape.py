@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 #: Material parameter with the aspect ratio of built-in clumps; 1 is a sphere.
 ASPECT_RATIO = "particle.aspect_ratio"
+#: Aspect ratio from which on an interval that begins at 1 has clumps.
+NEAREST_CLUMP = 1.001
 #: Distance of spheres in a row over their diameter: the outline dents by 3 % of the diameter.
 _ROW_STEP = 0.5
 _MOST_SPHERES = 50

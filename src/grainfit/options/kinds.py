@@ -20,7 +20,7 @@ from grainfit.one_line import OneLine
 from grainfit.options import messages
 from grainfit.options.places import Place, kind_of, show
 from grainfit.units import UnitError, example_with, how_to_write, to_unit
-from grainfit.validation import is_computable
+from grainfit.validation import is_computable, is_whole
 
 Schema = dict[str, Any]
 
@@ -163,7 +163,7 @@ class Whole(Kind):
 
     def read(self, value: Any, place: Place) -> int | None:
         """Read a whole number."""
-        if not isinstance(value, int) or isinstance(value, bool):
+        if not is_whole(value):
             example = min(max(self.lowest, 4), self.highest)
             note_wrong_kind(value, place, "a whole number", f"For example {example}.")
         elif not self.lowest <= value <= self.highest:

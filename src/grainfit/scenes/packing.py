@@ -20,7 +20,7 @@ from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes import messages
 from grainfit.scenes.clump_packing import place_clumps
 from grainfit.scenes.spheres import ClumpSpheres, random_orientations
-from grainfit.validation import plain
+from grainfit.validation import is_whole, plain
 
 #: Share of the column's volume that is solid: well below the jamming limit of random sequential
 #: addition (0.38), so that places are found quickly.
@@ -531,8 +531,7 @@ def _generator(seed: int) -> np.random.Generator:
 
 
 def _require_whole(name: str, given: object) -> None:
-    value = plain(given)
-    if not isinstance(value, int) or isinstance(value, bool):
+    if not is_whole(plain(given)):
         raise InputError(messages.NO_WHOLE_NUMBER.fault(name, given=given))
 
 

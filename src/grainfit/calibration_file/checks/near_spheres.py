@@ -10,14 +10,12 @@ from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.contact_models.hertz_mindlin.model import clump_factor
 from grainfit.formatting import percent
-from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
+from grainfit.materials.particle_shape import ASPECT_RATIO, NEAREST_CLUMP, ParticleShape
 
 #: Aspect ratio below which the responses of soft particles differ from those of spheres (at 1).
 _NEARLY_A_SPHERE = 1.1
 #: Share of the usual time step that is too small to be no surprise.
 _SLOW = 0.8
-#: In place of 1, at which a clump is a sphere.
-_NEAREST = 1.001
 
 
 @check("near-spheres")
@@ -47,7 +45,7 @@ def near_spheres(context: FileContext) -> Iterator[Found]:
 def _share_of_time_step(
     shape: ParticleShape, aspect_ratio: float, material: Mapping[str, float]
 ) -> float:
-    clump = shape.with_aspect_ratio(max(aspect_ratio, _NEAREST)).clump
+    clump = shape.with_aspect_ratio(max(aspect_ratio, NEAREST_CLUMP)).clump
     assert clump is not None
     stiffer = clump.rayleigh_radius / clump.smallest_radius
     return stiffer * clump_factor(material, clump.touching)

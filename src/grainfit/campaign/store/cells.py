@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any, NoReturn, TypeVar
 
-from grainfit.validation import as_number
+from grainfit.validation import as_number, is_whole
 
 _Choice = TypeVar("_Choice", bound=str)
 
@@ -70,7 +70,7 @@ def moment(value: Any, column: str) -> float:
 
 def whole(value: Any, column: str) -> int:
     """Return a whole number."""
-    if not isinstance(value, int) or isinstance(value, bool):
+    if not is_whole(value):
         _refuse_cell(column, value, "a whole number")
     return value
 

@@ -26,7 +26,7 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.response_info import absent_responses
-from grainfit.bulk_tests.time_steps import usual_time_step_fraction
+from grainfit.bulk_tests.time_steps import with_safe_time_step
 from grainfit.bulk_tests.workload import workload
 from grainfit.contact_models.cohesive_contacts import overlap_faults
 from grainfit.contact_models.registry import (
@@ -212,16 +212,19 @@ class DeckSolver(Solver):
     def _safe(self, intervals: Mapping[str, tuple[float, float]]) -> BulkTest:
         """Return the test as it was given, with a safe time step unless it was given one."""
         test = self._given_test
-        if test.setup.is_given("time_step_fraction"):
-            return test
+        is_given = test.setup.is_given("time_step_fraction")
+        return test if is_given else self._with_safe_step(test, intervals)
+
+    def _with_safe_step(
+        self, test: BulkTest, intervals: Mapping[str, tuple[float, float]]
+    ) -> BulkTest:
+        """Return a test with a time step that is safe, as far as the material is known."""
         fixed = {name: (value, value) for name, value in self.material.items()}
         try:
-            usual = usual_time_step_fraction(test, {**fixed, **intervals}, self.contact_models)
+            return with_safe_time_step(test, {**fixed, **intervals}, self.contact_models)
         except KeyError:
             # A value is missing, which is said where it is needed.
             return test
-        shorter = usual < test.setup.time_step_fraction
-        return test.with_time_step_fraction(usual) if shorter else test
 
     @property
     @override
@@ -446,13 +449,8 @@ class DeckSolver(Solver):
         """Return why the time step is too long for linear springs, which no stress makes softer."""
         if is_load_dependent(self.contact_models):
             return []
-        fixed = {name: (value, value) for name, value in self.material.items()}
-        try:
-            safe = usual_time_step_fraction(self.test, {**fixed, **intervals}, self.contact_models)
-        except KeyError:
-            # A value is missing, as another message says.
-            return []
         share = self.test.setup.time_step_fraction
+        safe = self._with_safe_step(self.test, intervals).setup.time_step_fraction
         if share <= safe:
             return []
         return [messages.LONG_TIME_STEP.fault("time_step_fraction", share=share, safe=safe)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from grainfit.formatting import number, plain, rounded, telling, with_unit
+from grainfit.formatting import interval, number, plain, with_unit
 from grainfit.plots.figure import Figure
 from grainfit.plots.labels import Label
 from grainfit.plots.style import BLUE, GREEN, STAGES, tolerance_band, value_range
@@ -124,8 +124,8 @@ def _row(context: ReportContext, check: _Check) -> VerifiedRow:
     label, target = context.response_label(check.target.name), check.target
     wanted = f"{number(target.value, 6)} ± {number(target.tolerance, 3)}"
     words = (
-        f"their mean is {with_unit(_with_interval(*check.mean), label.unit)}; all runs together "
-        f"lead to expect {with_unit(_with_interval(*check.response.expected), label.unit)}, and "
+        f"their mean is {with_unit(interval(*check.mean), label.unit)}; all runs together "
+        f"lead to expect {with_unit(interval(*check.response.expected), label.unit)}, and "
         f"{with_unit(wanted, label.unit)} was measured"
     )
     share = check.response.jams_not_excluded
@@ -142,11 +142,6 @@ def _none_outlying(context: ReportContext, share: float, name: str) -> str:
     can_jam = test in tests if dot else bool(tests)
     words = messages.NO_JAMS if can_jam else messages.NO_OUTLYING_RUNS
     return words(share=number(100 * share, 2))
-
-
-def _with_interval(value: float, half_width: float) -> str:
-    half_width = telling(half_width, value)
-    return f"{rounded(value, half_width)} ± {rounded(half_width, half_width)}"
 
 
 def _figure(label: Label, check: _Check) -> Figure:
