@@ -7,6 +7,7 @@ Repeated runs are counted there, independently of the store.
 
 from __future__ import annotations
 
+import faulthandler
 import json
 import multiprocessing
 import os
@@ -217,6 +218,7 @@ class Trial:
         self._tally = tally
         self._model = folder / "model"
         self._ending = folder / "ending.json"
+        self._stacks = folder / "stacks"
         self._groups: list[int] = []
         self._finished: dict[Key, int] = {}
         self._model.mkdir(exist_ok=True)
@@ -236,6 +238,7 @@ class Trial:
             code = 1
             try:
                 os.setsid()
+                faulthandler.register(signal.SIGUSR1, self._stacks.open("w"))
                 self._calibrate(options)
                 code = 0
             finally:
@@ -293,11 +296,19 @@ class Trial:
         while os.waitpid(process, os.WNOHANG)[0] == 0:
             meanwhile()
             if time.monotonic() > deadline:
+                message = f"no end within {_PATIENCE:g} s:\n{self._stacks_of(process)}"
                 os.kill(process, signal.SIGKILL)
                 os.waitpid(process, 0)
-                return Ending(error="Hang", message=f"no end within {_PATIENCE:g} s")
+                return Ending(error="Hang", message=message)
             time.sleep(0.002)
         return self.ending()
+
+    def _stacks_of(self, process: int) -> str:
+        """Where all threads of a start and of its workers are."""
+        for one in (process, *children(process)):
+            os.kill(one, signal.SIGUSR1)
+            time.sleep(0.2)
+        return self._stacks.read_text(encoding="utf-8")
 
     def ending(self) -> Ending:
         """End of the last start; empty when it was killed before its end."""
