@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from grainfit.bulk_tests.abilities import CurveRange, curve_range
 from grainfit.bulk_tests.response_info import CurveInfo
@@ -117,7 +116,7 @@ def measured_faults(
                 yield from _faults_of_unit(key, target.coordinate_unit, curve.coordinate_unit)
         elif test is not None and name in test.responses:
             yield from _faults_of_unit(name, target.unit, test.responses[name].unit)
-            findings = Findings(Path())
+            findings = Findings()
             test.responses[name].possible.read(target.value, Place(findings, (name,)))
             yield from findings.faults
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 from grainfit.errors import Fault
 from grainfit.options.places import Findings, Place
@@ -36,6 +35,6 @@ def read_timeout(key: str, given: object) -> tuple[float, list[Fault]]:
     value = plain(given)
     if isinstance(value, float) and value == math.inf:
         return value, []
-    findings = Findings(Path())
+    findings = Findings()
     seconds = TIMEOUT_KEY.kind.read(value, Place(findings))
     return seconds or math.inf, [replace(fault, key=key) for fault in findings.faults]

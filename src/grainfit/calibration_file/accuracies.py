@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
 from grainfit.bulk_tests.registry import bulk_tests
@@ -35,7 +34,7 @@ def read_accuracies(given: Mapping[str, str | float]) -> Accuracies:
     >>> read_accuracies({"heap.angle_of_repose": "0.5 deg"})
     {'heap.angle_of_repose': Accuracy(value=0.5, is_share=False)}
     """
-    findings = Findings(Path())
+    findings = Findings()
     units = _units()
     found = {}
     for name, text in given.items():
@@ -44,8 +43,7 @@ def read_accuracies(given: Mapping[str, str | float]) -> Accuracies:
             place.fault(messages.NO_RESPONSE_OF_TESTS, remedy=suggest(name, units, "There are"))
         elif (read := Deviation(units[name]).read(text, place)) is not None:
             found[name] = Accuracy(*read)
-    if findings.faults:
-        raise InputError(findings.faults)
+    InputError.raise_for(findings.faults)
     return found
 
 

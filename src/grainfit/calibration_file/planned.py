@@ -107,6 +107,6 @@ def load_tests(path: str | Path) -> PlannedFile:
 def typical_value(name: str, info: ResponseInfo) -> float:
     """Return the value in the example of a response, in its unit."""
     example = tomllib.loads(f"target = {info.example}")["target"]
-    target = TargetTable(info.possible).read(example, Place(Findings(Path()), (name,)))
+    target = TargetTable(info.possible).read(example, Place(Findings(), (name,)))
     assert target is not None, "examples are valid, see the tests of bulk tests"
     return target.value

@@ -41,8 +41,7 @@ def set_values(
         name, _, text = setting.partition("=")
         place = Place(findings, tuple(name.strip().split(".")))
         values |= _set(file, name.strip(), text.strip(), place)
-    if findings.faults:
-        raise InputError(findings.faults)
+    InputError.raise_for(findings.faults)
     return values
 
 

@@ -289,7 +289,7 @@ def implied(response: str, test: str, target: Any) -> str:
     if not isinstance(target, dict) or not typed(target) or is_of_pictures(target):
         return ""
     info = BUILT_IN[test].responses[response]
-    found = TargetTable(info.possible).read(target, Place(Findings(Path()), (response,)))
+    found = TargetTable(info.possible).read(target, Place(Findings(), (response,)))
     if not isinstance(found, Target):
         return ""
     unit = unit_for_people(info.unit)

@@ -201,7 +201,7 @@ def sieve_curve(path: str | Path, opening_unit: str | None = None) -> SieveCurve
     InputError
         Names every fault of the file.
     """
-    findings = Findings(Path())
+    findings = Findings()
     place = Place(findings, ("sieve_curve",))
     openings = opening_column(opening_unit, place)
     curve = None if openings is None else read_sieve_curve(Path(path), openings, place)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from pathlib import Path
 from typing import Any
 
 from grainfit.errors import InputError
@@ -126,10 +125,9 @@ def read_options(keys: Iterable[Key], given: Mapping[str, Any]) -> dict[str, Any
     InputError
         Names every option at fault, with its value.
     """
-    findings = Findings(Path())
+    findings = Findings()
     values = {key.name: _read(key, given.get(key.name), findings) for key in keys}
-    if findings.faults:
-        raise InputError(findings.faults)
+    InputError.raise_for(findings.faults)
     return values
 
 

@@ -57,7 +57,7 @@ class Findings:
         What was measured on the photographs of each target.
     """
 
-    folder: Path
+    folder: Path = field(default_factory=Path)
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
     faults: list[FileFault] = field(default_factory=list)
     tables: list[str] = field(default_factory=list)

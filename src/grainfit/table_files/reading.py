@@ -7,7 +7,6 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from grainfit.errors import Fault, InputError
 from grainfit.options.kinds import Quantity
@@ -274,7 +273,7 @@ class Reading:
             return None
         if not wanted.is_checked:
             return value
-        findings = Findings(Path())
+        findings = Findings()
         wanted.quantity.read_converted(value, Place(findings))
         for fault in findings.faults:
             self.faults.note(Fault(where, fault.message, fault.remedy))
