@@ -18,9 +18,11 @@ from grainfit.scenes import messages
 from grainfit.scenes.conditions import AtRest
 from grainfit.scenes.packing import Round, random_column
 from grainfit.scenes.scene import Box, Scene, Stage, Wall, time_step
+from grainfit.scenes.scene_faults import scene_faults
 from grainfit.scenes.shapes import Block, Cone, Cylinder, Disc, Mesh
 from grainfit.scenes.stl import Triangles, divided, mesh_faults, mesh_triangles, read_stl
 from grainfit.scenes.triangles import triangles_of, write_stl
+from grainfit.scenes.wall_distances import distances
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
@@ -206,6 +208,27 @@ def settled(walls: dict[str, Wall], particles, box: Box, height: float = 2.0) ->
         quiet_speed=1e-3,
         check_interval=0.01,
     )
+
+
+def test_distances_from_a_file_are_those_from_its_block(table: Path) -> None:
+    places = np.random.default_rng(1).uniform(BOX.low, BOX.high, (500, 3))
+
+    found = distances(Mesh(table, 0.001), BOX, places, 0.05)
+
+    expected = np.abs(distances(TABLE, BOX, places, 0.05))
+    np.testing.assert_allclose(found[expected < 0.05], expected[expected < 0.05], atol=1e-12)
+    assert (found[expected >= 0.05] >= 0.05).all()
+    assert 100 < (expected < 0.05).sum() < 500
+
+
+@pytest.mark.parametrize("above", [0.95, 1.0])
+def test_a_particle_that_begins_in_a_file_is_refused(table: Path, above: float) -> None:
+    beads = spheres([[0.011, 0.007, 0.02 + above * RADIUS], [0.0, 0.0, 0.1]])
+
+    found = scene_faults(settled({"table": Wall(Mesh(table, 0.001))}, beads, BOX))
+
+    assert len(found) == (above < 1)
+    assert all(messages.IN_WALL.is_in(str(fault), caught=1, count=2) for fault in found)
 
 
 @NEEDS_LIGGGHTS

@@ -297,7 +297,7 @@ def _faults_at_walls(scene: Scene) -> Iterator[Fault]:
     if clumps is not None:
         (places, radii), each = column.outlines(clumps), len(clumps.clump)
     for name, wall in {**scene.walls, **first.put}.items():
-        apart = distances(wall.shape, scene.box, places)
+        apart = distances(wall.shape, scene.box, places, float(radii.max()))
         caught = np.unique(np.flatnonzero(apart < (1 - _OVERLAP) * radii) // each)
         if len(caught) and name not in first.take_away:
             yield messages.IN_WALL.fault(

@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from grainfit.arrays import Array
 from grainfit.scenes.scene import Box
 from grainfit.scenes.shapes import Annulus, Block, Cone, Cylinder, Disc, Mesh, Plane, Prism, Shape
+from grainfit.scenes.stl import mesh_triangles
 
 #: Walls about an axis, without a thickness.
 Round = Cylinder | Cone | Disc | Annulus
 
 
-def distances(shape: Shape, box: Box, places: Array) -> Array:
-    """Return the distances of places, shape (n, 3), from a wall, m; infinite from a `Mesh`."""
+def distances(shape: Shape, box: Box, places: Array, reach: float) -> Array:
+    """Return the distances of places, shape (n, 3), from a wall, m.
+
+    Those from a `Mesh` are infinite beyond a reach.
+    """
     if isinstance(shape, Plane):
         way = places[:, "xyz".index(shape.axis)] - shape.at
         return np.asarray(way if shape.upwards else -way)
     if isinstance(shape, Block | Prism):
         return _from_solid(shape, box, places)
     if isinstance(shape, Mesh):
-        return np.full(len(places), np.inf)
+        return _from_triangles(mesh_triangles(shape, box), places, reach)
     radii, ends = _outline(shape)
     axis = "xyz".index(_axis(shape))
     if _axis(shape) in box.periodic:
@@ -71,6 +77,34 @@ def _from_solid(shape: Block | Prism, box: Box, places: Array) -> Array:
     beyond = np.maximum(front - y, y - back)
     outside = np.hypot(np.maximum(away, 0.0), np.maximum(beyond, 0.0))
     return np.asarray(outside + np.minimum(np.maximum(away, beyond), 0.0))
+
+
+def _from_triangles(triangles: Array, places: Array, reach: float) -> Array:
+    """Return distances from the nearest of triangles, shape (m, 3, 3), that is within reach."""
+    centres = triangles.mean(axis=1)
+    spans = np.linalg.norm(triangles - centres[:, None], axis=2).max(axis=1)
+    around = cKDTree(places).query_ball_point(centres, spans + reach)
+    theirs = np.repeat(np.arange(len(triangles)), [len(own) for own in around])
+    pairs = np.fromiter(chain.from_iterable(around), np.int64, len(theirs))
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    heights = ((places[pairs] - triangles[theirs, 0]) * normals[theirs]).sum(axis=1)
+    near = np.abs(heights) < reach
+    pairs, theirs, heights = pairs[near], theirs[near], heights[near]
+    found = np.full(len(places), np.inf)
+    away = _beside(places[pairs], triangles[theirs], normals[theirs])
+    np.minimum.at(found, pairs, np.where(away > 0, away, np.abs(heights)))
+    return found
+
+
+def _beside(places: Array, triangles: Array, normals: Array) -> Array:
+    """Return the distance of each place from the sides of its triangle; 0 above or below it."""
+    sides = np.roll(triangles, -1, axis=1) - triangles
+    ways = places[:, None] - triangles
+    is_over = ((np.cross(sides, ways) * normals[:, None]).sum(axis=2) >= 0).all(axis=1)
+    shares = np.clip((ways * sides).sum(axis=2) / (sides**2).sum(axis=2), 0.0, 1.0)
+    from_sides = np.linalg.norm(ways - shares[..., None] * sides, axis=2).min(axis=1)
+    return np.asarray(np.where(is_over, 0.0, from_sides))
 
 
 def _from_lines(places: Array, lines: Iterable[Iterable[ArrayLike]]) -> Array:
