@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from grainfit.bulk_tests import messages as of_bulk_tests
+from grainfit.bulk_tests.apparatus import apparatus_of
 from grainfit.bulk_tests.checks import CheckedTest
 from grainfit.bulk_tests.own_scene import OwnScene, user_function
 from grainfit.bulk_tests.own_scene import messages as of_own_scene
@@ -22,6 +23,7 @@ from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.campaign.batch import run_folders, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
+from grainfit.cards import material_card
 from grainfit.checks import Finding
 from grainfit.cli import messages as of_cli
 from grainfit.contact_models.hertz_mindlin.model import hertz_overlap, particle_moduli
@@ -29,6 +31,7 @@ from grainfit.errors import InputError, NotMeasurableError, RunFailedError
 from grainfit.evaluation import Proposal
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.report.page import write_report
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes import messages as of_scenes
 from grainfit.scenes.run_output import RunOutput
@@ -153,6 +156,7 @@ def test_a_record_has_all_but_the_functions(beads: Path) -> None:
 
     assert isinstance(again, OwnScene)
     assert again.definition() == recorded
+    assert apparatus_of(again) == ()
     for key in recorded:
         if key not in ("type", "revision", "scenes"):
             damaged = {name: value for name, value in recorded.items() if name != key}
@@ -489,6 +493,8 @@ def test_a_calibration_with_a_scene_keeps_results_and_is_read_back(
     assert saved.result is not None
     assert len(list((tmp_path / "work" / "runs").glob("*/particles.png"))) == len(saved.evaluations)
     assert list((tmp_path / "work" / "runs").glob("*/functions")) == []
+    assert write_report(tmp_path / "work", tmp_path / "report.html").exists()
+    assert material_card(saved).write("json", tmp_path / "card.json").exists()
 
 
 def test_particles_of_a_scene_are_clumps_of_the_aspect_ratio_of_the_material(

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from grainfit.analysis import messages
 from grainfit.analysis.recorded_size import changes_in_words
-from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.abilities import is_of_user
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words
 from grainfit.bulk_tests.size import TWIN, twin_of
@@ -34,7 +34,7 @@ def long_runs(context: CheckContext) -> Iterator[Found]:
 def _note(name: str, context: CheckContext) -> str:
     solver, middle = context.solvers[name], context.problem.middle
     test = solver.bulk_test
-    if test is None or user_functions(test):
+    if test is None or is_of_user(test):
         # A scene of the user's own has a geometry that only its code knows.
         return ""
     try:
@@ -111,5 +111,5 @@ def _enlarged(
     return {
         name: coarse_grained(solver.bulk_test, factor, solver.run_parameters(values))
         for name, solver in solvers.items()
-        if solver.bulk_test is not None and not user_functions(solver.bulk_test)
+        if solver.bulk_test is not None and not is_of_user(solver.bulk_test)
     }

@@ -130,6 +130,11 @@ class HasUserFunctions(Protocol):
         """Return the test that requires these responses of the user's function."""
 
 
+def is_of_user(test: object) -> bool:
+    """Return whether scene and measurement are functions of the user, also of recorded tests."""
+    return isinstance(test, HasUserFunctions)
+
+
 def user_functions(test: object) -> tuple[str, ...]:
     """Describe the user's code that a run of a test executes, in one line for each function."""
     return test.executes() if isinstance(test, HasUserFunctions) else ()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 from grainfit.bulk_tests import messages
-from grainfit.bulk_tests.abilities import friction_options, user_functions
+from grainfit.bulk_tests.abilities import friction_options, is_of_user
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.instrument import Instrument
 from grainfit.bulk_tests.parameter_names import DENSITY
@@ -92,7 +92,7 @@ def apparatus_of(
     instrument : Instrument, optional
         Instrument that gives its options where they are not given.
     """
-    if user_functions(test):
+    if is_of_user(test):
         return ()
     found = _Apparatus(test, given, material or {}, walls or {}, instrument)
     return tuple(found.values())

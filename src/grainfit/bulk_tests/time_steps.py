@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.abilities import is_of_user
 from grainfit.bulk_tests.base import TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import UnderLoad
@@ -83,7 +83,7 @@ def safe_time_step_fraction(
     values = material if factor == 1 else simulated_material(material, factor)
     sizes = test.sizes.with_aspect_ratio(material.get(ASPECT_RATIO))
     radius = sizes.rayleigh_radius
-    if user_functions(test) or law.cohesion is not None or test.sizes.shape is not None:
+    if is_of_user(test) or law.cohesion is not None or test.sizes.shape is not None:
         factor = 1.0 if sizes.clump is None else clump_factor(values, sizes.clump.touching)
         return min(factor * law.time_step_fraction(values, radius, None), TIME_STEP_FRACTION)
     return law.time_step_fraction(values, radius, _largest_stress(test, material))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.abilities import is_of_user
 from grainfit.calibration import messages
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import response_name
@@ -163,7 +163,7 @@ def _ready(problem: Problem, solver: Solver, used: Iterable[str]) -> Solver:
 
 
 def _seconds(problem: Problem, solver: Solver) -> float | None:
-    if solver.bulk_test is not None and user_functions(solver.bulk_test):
+    if is_of_user(solver.bulk_test):
         # The cost is that of a scene of the user, and loading a file executes none of his code.
         return None
     try:

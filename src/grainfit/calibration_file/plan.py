@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 
-from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.abilities import is_of_user
 from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.workload import workload
@@ -231,7 +231,7 @@ def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
 
 
 def _has_code(solver: Solver) -> bool:
-    return solver.bulk_test is not None and bool(user_functions(solver.bulk_test))
+    return is_of_user(solver.bulk_test)
 
 
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:
@@ -321,7 +321,7 @@ def size_lines(
         return
     if sizes.origin is not None:
         yield from sizes.origin.describe(sizes.real)
-    tests = [test for test in bulk_tests.values() if not user_functions(test)]
+    tests = [test for test in bulk_tests.values() if not is_of_user(test)]
     if tests:
         yield from _price(sizes, tests, material)
 

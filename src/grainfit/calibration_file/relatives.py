@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.abilities import is_of_user
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained
 from grainfit.bulk_tests.parameter_names import MODULUS
@@ -129,7 +129,7 @@ def _changed(strategy: SearchOptions, name: str, solver: Solver, problem: Proble
     if strategy.coarser is None and strategy.smaller is None:
         return solver
     key = "smaller" if strategy.smaller else "coarser"
-    if user_functions(test):
+    if is_of_user(test):
         raise InputError(messages.OWN_SCENE_HAS_NO_SIZE.fault(f"strategy.{key}", test=name))
     try:
         return solver.of_test(_resized(strategy, test, solver.run_parameters(problem.middle)))

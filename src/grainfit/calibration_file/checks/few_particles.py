@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grainfit.bulk_tests.abilities import user_functions
+from grainfit.bulk_tests.abilities import is_of_user
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
@@ -19,7 +19,7 @@ _FEW = 10
 def few_particles(context: FileContext) -> Iterator[Found]:
     """Classes of sizes of which a test has only a few particles."""
     for name, test in context.bulk_tests.items():
-        if user_functions(test) or len(test.sizes.diameters) == 1:
+        if is_of_user(test) or len(test.sizes.diameters) == 1:
             continue
         numbers = particle_numbers(test.sizes, test.number_of_particles)
         fewest = min(range(len(numbers)), key=lambda i: numbers[i])

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from grainfit.analysis.recorded_size import changes_in_words
-from grainfit.bulk_tests.abilities import material_faults, user_functions
+from grainfit.bulk_tests.abilities import is_of_user, material_faults
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.coarse_graining import coarse_grained, factor_words, sized_for
 from grainfit.bulk_tests.parameter_names import MODULUS
@@ -211,7 +211,7 @@ def _known_tests(context: FileContext) -> Iterator[tuple[str, Solver, BulkTest]]
     """Yield the bulk tests without code of the user."""
     for name, solver in context.solvers.items():
         test = solver.bulk_test
-        if test is not None and not user_functions(test):
+        if test is not None and not is_of_user(test):
             yield name, solver, test
 
 
