@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import needs
 from grainfit.bulk_tests import messages as of_bulk_tests
 from grainfit.bulk_tests.apparatus import apparatus_of
 from grainfit.bulk_tests.checks import CheckedTest
@@ -381,6 +382,7 @@ def test_enlarged_particles_are_noted_with_what_keeps_the_apparatus(beads: Path)
     assert not findings(OwnScene(real, **functions))
 
 
+@needs.YADE
 def test_a_concept_that_the_solver_lacks_is_refused_with_what_to_use(
     beads: Path, tmp_path: Path
 ) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import needs
 from grainfit.bulk_tests.conditions import conditions_of
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration_file.build import CalibrationSetup, build_calibration
@@ -65,6 +66,7 @@ def test_no_cohesion_is_the_run_of_a_file_without_it(tmp_path: Path) -> None:
     assert identity(setup_of(tmp_path, sticky("0.3"))) != dry
 
 
+@needs.LIGGGHTS
 def test_the_usual_model_chosen_by_name_is_the_same_run(tmp_path: Path) -> None:
     usual = identity(setup_of(tmp_path, sticky()))
 

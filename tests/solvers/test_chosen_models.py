@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
 from grainfit.contact_models import messages as contact_messages
@@ -36,7 +37,12 @@ def bed(solver: str, folder, material, models) -> RunOutput:
 
 
 @pytest.mark.parametrize(
-    "solver", [pytest.param(s, marks=[pytest.mark.slow] * (s == "yade")) for s in DEM_PROGRAMS]
+    "solver",
+    [
+        "lammps",
+        pytest.param("liggghts", marks=needs.LIGGGHTS),
+        pytest.param("yade", marks=[needs.YADE, pytest.mark.slow]),
+    ],
 )
 def test_the_chosen_model_moves_the_particles(tmp_path, solver: str) -> None:
     usual = bed(solver, tmp_path / "epsd", NO_DASHPOT, ())

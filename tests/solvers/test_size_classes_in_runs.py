@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+import needs
 from grainfit.bulk_tests.packing import Packing
 from grainfit.scenes.packing import particle_numbers
 from grainfit.solvers.base import Workspace
@@ -17,7 +18,7 @@ from grainfit.testing.materials import GLASS_BEADS
 SIZES = gf.divide_into_classes(gf.LogNormal(median="3 mm", geometric_standard_deviation=1.3))
 
 
-@pytest.mark.parametrize("solver", ["lammps", "liggghts"])
+@pytest.mark.parametrize("solver", ["lammps", pytest.param("liggghts", marks=needs.LIGGGHTS)])
 def test_every_class_has_its_share_of_the_mass(tmp_path: Path, solver: str) -> None:
     test = Packing(SIZES, cylinder_radius="9 mm", fill_height="15 mm", bulk_density_top="11 mm")
     program = DEM_PROGRAMS[solver](test, GLASS_BEADS)

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+import needs
 from grainfit.bulk_tests.accuracy import Accuracy
 from grainfit.bulk_tests.shared import messages as of_shared
 from grainfit.calibration_file.planned import load_planned_file
@@ -170,6 +171,7 @@ def test_a_parameter_of_which_the_atlas_does_not_tell_counts_as_known(plan: Path
     assert messages.ATLAS_OF_DRY_SPHERES.is_in(words)
 
 
+@needs.LIGGGHTS
 def test_a_cohesion_energy_density_can_be_determined_by_a_heap(plan: Path) -> None:
     cohesive = FILE.replace(
         "[particle_wall]", "cohesion_energy_density = { min = 0, max = 2000 }\n[particle_wall]"
