@@ -40,8 +40,10 @@ from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem import messages as dem_messages
 from grainfit.solvers.registry import DEM_PROGRAMS
 from grainfit.testing.materials import GLASS_BEADS
+from grainfit.work_folder import messages as of_work_folder
 from grainfit.work_folder.remeasure import measure_path
 from grainfit.work_folder.saved_calibration import SavedCalibration
+from grainfit.work_folder.solvers_of_runs import solvers_of
 
 CODE = """
 import numpy as np
@@ -255,6 +257,9 @@ def test_a_fault_of_the_measurement_has_its_line_and_a_restless_run_is_none(
     test = finished(beads, tmp_path / "run")
     run = RunOutput(tmp_path / "run")
 
+    with pytest.raises(NotMeasurableError) as missing:
+        run.snapshot("ende")
+    assert of_scenes.NO_OUTPUT.is_in(str(missing.value), name="ende", known="end")
     for old, new, words in [
         ("    heights = ", "    run.series('push')\n    heights = ", "beads.py, line 24: "),
         ("heights.mean()", "float('nan')", "response height from measure() in beads.py is nan"),
@@ -497,6 +502,9 @@ def test_a_calibration_with_a_scene_keeps_results_and_is_read_back(
     assert list((tmp_path / "work" / "runs").glob("*/functions")) == []
     assert write_report(tmp_path / "work", tmp_path / "report.html").exists()
     assert material_card(saved).write("json", tmp_path / "card.json").exists()
+    with pytest.raises(InputError) as caught:
+        solvers_of(saved, "")
+    assert of_work_folder.SCENE_NOT_IN_RUNS.is_in(str(caught.value))
 
 
 def test_particles_of_a_scene_are_clumps_of_the_aspect_ratio_of_the_material(

@@ -183,6 +183,7 @@ MESH_BEYOND_PERIOD = Message(
 UNREADABLE = Message("{path}: cannot be read ({error}).")
 NO_FRAME = Message("{path}: has no complete frame.")
 BAD_FRAME = Message("{path}: time step {step}: {error}")
+NO_OUTPUT = Message("the run has no {kind} '{name}'. It has: {known}.")
 NO_COLUMNS = Message("has no columns")
 NO_COLUMN = Message("has no column {names}")
 NO_LINE_END = Message("its last line has no end")

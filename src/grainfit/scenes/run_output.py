@@ -13,7 +13,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -138,8 +138,9 @@ class RunOutput:
         Raises
         ------
         NotMeasurableError
-            See `read_dump`.
+            There is no such snapshot, or see `read_dump`.
         """
+        self._require("snapshot", name, snapshot_file)
         return read_dump(self.path_of(snapshot_file(name)), glued)
 
     def frames(self, name: str) -> Iterator[Frame]:
@@ -148,9 +149,22 @@ class RunOutput:
         Raises
         ------
         NotMeasurableError
-            See `read_frames`.
+            There are none of this name, or see `read_frames`.
         """
+        self._require("snapshot", name, snapshot_file)
         return read_frames(self.path_of(snapshot_file(name)))
+
+    def _require(self, kind: str, name: str, file_of: Callable[[str], str]) -> None:
+        """Name what there is of a kind of output in place of what is missing."""
+        if self.path_of(file_of(name)).exists():
+            return
+        before, after = file_of("*").split("*")
+        found = (str(path.relative_to(self.folder)) for path in self.folder.glob(file_of("*")))
+        known = sorted(file.removeprefix(before).removesuffix(after) for file in found)
+        if known:
+            raise NotMeasurableError(
+                messages.NO_OUTPUT(kind=kind, name=name, known=", ".join(known))
+            )
 
     def path_of(self, file: str) -> Path:
         """Return the path of a file such as ``"snapshots/heap.dump"``, whether it exists or not.
@@ -178,6 +192,7 @@ class RunOutput:
         NotMeasurableError
             The file is missing or damaged, or a column is missing.
         """
+        self._require("series of a stage", stage, series_file)
         path = self.folder / series_file(stage)
         try:
             text = read_within(path, LARGEST_SERIES).decode("utf-8")

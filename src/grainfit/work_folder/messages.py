@@ -109,6 +109,7 @@ NO_VALUE_IN_ANSWER = Message(
 SEED_TOO_LARGE = Message(
     "{seed} and the {repeat} seeds from it on go beyond {largest}.", "Give a smaller one."
 )
+SCENE_NOT_IN_RUNS = Message("is a scene of your own, whose file its runs do not hold.", "{remedy}")
 OWN_MODEL_NOT_IN_RUNS = Message(
     "was simulated by a model of your own, which its runs do not hold.", "{remedy}"
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from grainfit.bulk_tests.abilities import is_of_user
 from grainfit.bulk_tests.registry import recreate_test
 from grainfit.campaign.store.records import RunRecord
 from grainfit.errors import InputError
@@ -20,18 +21,24 @@ def solvers_of(saved: SavedCalibration, remedy: str) -> dict[str, Solver]:
     saved : SavedCalibration
         The calibration.
     remedy : str
-        What to do about a model of the user.
+        What to do about a model or a scene of the user.
 
     Raises
     ------
     InputError
-        A test was simulated by a model of the user, which its runs do not hold.
+        A test is a scene of the user or was simulated by his model, which its runs do not hold.
     """
     first: dict[str, RunRecord] = {}
     for record in saved.records.values():
         first.setdefault(record.test, record)
     free = {parameter.name for parameter in saved.problem.parameters}
-    return {test: solver_of_run(record, free, remedy) for test, record in first.items()}
+    solvers = {test: solver_of_run(record, free, remedy) for test, record in first.items()}
+    InputError.raise_for(
+        messages.SCENE_NOT_IN_RUNS.fault(f"test {test}", remedy=remedy)
+        for test, solver in solvers.items()
+        if is_of_user(solver.bulk_test)
+    )
+    return solvers
 
 
 def solver_of_run(record: RunRecord, free: set[str], remedy: str = "") -> Solver:

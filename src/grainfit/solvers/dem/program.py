@@ -204,8 +204,16 @@ class DeckSolver(Solver):
         """Return the solver with a time step that is safe in all of the intervals.
 
         One that was given stays; so does the usual one, if it is short enough.
+
+        Raises
+        ------
+        InputError
+            A parameter cannot have a value at an end of its interval.
         """
         own = {name: intervals[name] for name in self.depends_on(list(intervals))}
+        known = {name: ends for name, ends in own.items() if material_parameter(name) is not None}
+        for end in (0, 1):
+            InputError.raise_for(_impossible({name: ends[end] for name, ends in known.items()}))
         test = self._safe(own)
         return self if test == self.test else self.of_test(test)
 
