@@ -6,19 +6,22 @@ import json
 import math
 import sqlite3
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.bulk_tests import messages as of_bulk_tests
+from grainfit.bulk_tests.size import resized
 from grainfit.calibration.twins import SizeRatio, Twins, combined
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.plan import describe_plan
-from grainfit.calibration_file.real_size import AllRuns
+from grainfit.calibration_file.real_size import AllRuns, RealSizeCalibration, RealSizeOptions
 from grainfit.calibration_file.run_time import costs_of_runs
 from grainfit.calibration_file.twins import series_of_sizes
 from grainfit.cli.app import app
@@ -27,6 +30,7 @@ from grainfit.evaluation import Evaluation, Proposal
 from grainfit.report import messages as of_pages
 from grainfit.report import verdict_messages as of_report
 from grainfit.result import RunCounts, RunSummary
+from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.verdict import messages as of_verdict
 from grainfit.verdict.full_size import probability_within, status_at_full_size
 from grainfit.verdict.reasons import FullSizeMade, FullSizePending, RealTest
@@ -245,6 +249,82 @@ def test_time_and_runs_are_those_of_all_searches_and_sizes(monkeypatch: pytest.M
     runs.add_sizes([Evaluation(proposal, {}, runs={"": "f"}, simulated_seconds=60.0)])
     last = runs.counted(second)
     assert (last.wall_seconds, last.utilisation) == (100.0, pytest.approx(0.5))
+
+
+class Poured(PythonCallable):
+    """A packing that becomes denser with its size, by a formula."""
+
+    def __init__(self, test: gf.tests.Packing) -> None:
+        self.test = test
+
+        def density(p: dict[str, float], seed: int) -> dict[str, float]:
+            walls = 1 - 0.3 / test.number_of_particles ** (1 / 3)
+            scatter = np.random.default_rng(seed).normal(0.0, 2.0)
+            return {"bulk_density": 0.6 * p["particle.density"] * walls + scatter}
+
+        super().__init__(density, ["bulk_density"], identity=f"{test.number_of_particles}")
+
+    @property
+    def bulk_test(self) -> gf.tests.Packing:
+        return self.test
+
+    def of_test(self, test: gf.tests.Packing) -> Poured:
+        return Poured(test)
+
+    def estimate_cost_of(self, test, parameters) -> None:
+        return None
+
+    def default_timeout(self, parameters) -> None:
+        return None
+
+
+@pytest.mark.parametrize("stopped_in", ["first search", "sizes", "second search"])
+def test_a_finished_result_survives_ctrl_c_in_a_search_before_its_own(
+    tmp_path: Path, stopped_in: str
+) -> None:
+    problem = gf.Problem(
+        [gf.Parameter("particle.density", 1400.0, 2800.0)],
+        [gf.Target("bulk_density", 1200.0, uncertainty=36.0)],
+    )
+    large = Poured(gf.tests.Packing(diameter="10 mm", cylinder_radius="40 mm", fill_height="90 mm"))
+    small = large.of_test(resized(large.test, 0.3))
+    phases: list[str] = []
+
+    def start(stop: Callable[[], None] = lambda: None) -> gf.Result:
+        phases.clear()
+
+        def search(twins: Twins) -> gf.Result:
+            return gf.calibrate(
+                problem,
+                {"packing": small},
+                workdir=tmp_path,
+                twins=twins,
+                on_progress=lambda progress: stop() if progress.done == 3 else None,
+            )
+
+        def say(words: str) -> None:
+            phases.append(words)
+            if len(phases) == 2:
+                stop()
+
+        named = {"packing": large}, {"packing": small}
+        options = RealSizeOptions(0.95, full_size=True, on_phase=say)
+        return RealSizeCalibration(problem, *named, tmp_path, search, options).run()
+
+    first = start()
+    assert first.status == "calibrated"
+    kept = (tmp_path / "result.json").read_bytes()
+
+    def interrupt() -> None:
+        if len(phases) == ["first search", "sizes", "second search"].index(stopped_in) + 1:
+            raise KeyboardInterrupt
+
+    stopped = start(interrupt)
+
+    assert (tmp_path / "result.json").read_bytes() == kept
+    assert stopped == replace(first, status="interrupted")
+    assert gf.open(tmp_path).state == "calibrated"
+    assert gf.open(tmp_path).result == first
 
 
 def test_status_at_full_size() -> None:

@@ -195,7 +195,9 @@ class CalibrationLoop:
         return {"relatives": self._campaign.identities(sample), "costs": costs}
 
     def _about(self, known: Sequence[Evaluation]) -> dict[str, Any]:
+        twins = self._options.twins
         return {
+            **({"first_search": twins.first_search} if twins and twins.first_search else {}),
             "learnt": [{**asdict(one.proposal), "runs": dict(one.runs)} for one in known],
             "near": self._near.notice,
             "version": version("grainfit"),

@@ -41,11 +41,14 @@ class Twins:
         The tests that have a twin.
     are_measured : bool
         Whether a series of sizes gave the ratios.
+    first_search : str
+        Identity of the calibration with the first ratios; empty for that one.
     """
 
     ratios: Mapping[str, SizeRatio]
     tests: tuple[RealTest, ...]
     are_measured: bool = False
+    first_search: str = ""
 
     def problem(self, problem: Problem) -> Problem:
         """Return the problem whose evaluations are multiplied by the ratios.

@@ -25,6 +25,7 @@ from grainfit.campaign.open_campaign import open_campaign
 from grainfit.campaign.reuse import needed_responses
 from grainfit.campaign.store.store import RunStore
 from grainfit.campaign.work_folder import RESULT_NAME
+from grainfit.errors import StoreError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import in_a_row
 from grainfit.problem import Problem
@@ -107,32 +108,68 @@ class RealSizeCalibration:
     def run(self) -> Result:
         """Search, learn the ratios at the answer, search again; verify what there are runs for.
 
-        Ctrl-C ends it with the last result, as interrupted.
+        Ctrl-C ends it with the last result, as interrupted. The result of an earlier start stays
+        as it is, and is returned, if it rests on no fewer runs.
 
         Raises
         ------
         InputError, SolverNotFoundError, RunFailedError, StoreError
             As `grainfit.calibrate`.
         """
+        earlier = self._earlier_result()
         try:
-            twins = first_twins(self._solvers, self._twins, self._problem)
-            self._say(messages.FIRST_SEARCH(tests=_in_words(twins)))
-            result = self._search(twins)
-            for _ in range(MOST_SERIES):
-                if result.status != "predicted":
-                    return result
-                updated = self._learn(result, twins)
-                has_moved = self._has_moved(twins, updated)
-                twins = updated
-                self._say(messages.NEXT_SEARCH())
-                result = self._search(twins)
-                if not has_moved:
-                    break
-            return self._verified(result, twins)
+            result = self._all_phases()
         except KeyboardInterrupt:
             if self._result is None:
+                self._give_back(earlier)
                 raise
-            return self._runs.counted(replace(self._result, status="interrupted"))
+            result = self._runs.counted(replace(self._result, status="interrupted"))
+        if earlier is None or result.status != "interrupted":
+            return result
+        has_more = result.runs.total > earlier.runs.total
+        is_back = not has_more and self._give_back(earlier)
+        return replace(earlier, status="interrupted") if is_back else result
+
+    def _all_phases(self) -> Result:
+        twins = first_twins(self._solvers, self._twins, self._problem)
+        self._say(messages.FIRST_SEARCH(tests=_in_words(twins)))
+        result = self._search(twins)
+        twins = replace(twins, first_search=result.identity)
+        for _ in range(MOST_SERIES):
+            if result.status != "predicted":
+                return result
+            updated = self._learn(result, twins)
+            has_moved = self._has_moved(twins, updated)
+            twins = updated
+            self._say(messages.NEXT_SEARCH())
+            result = self._search(twins)
+            if not has_moved:
+                break
+        return self._verified(result, twins)
+
+    def _earlier_result(self) -> Result | None:
+        """Return the result in the work folder, if there is one that can be read."""
+        try:
+            return Result.from_json(self._folder / RESULT_NAME)
+        except StoreError:
+            return None
+
+    def _give_back(self, earlier: Result | None) -> bool:
+        """Make an earlier result that of the folder again; return whether it is of this search.
+
+        Every start begins with the first search, whose result is another one.
+        """
+        if earlier is None:
+            return False
+        folder = self._folder.absolute()
+        with hold(folder), closing(RunStore.in_folder(folder)) as store:
+            latest, its = store.latest_calibration(), store.calibration(earlier.identity)
+            if latest is None or its is None or latest.first_search != its.first_search:
+                return False
+            store.begin_calibration(its.identity, its.name, its.definition, its.known, its.about)
+            store.end_calibration(its.identity, earlier.status)
+            earlier.to_json(folder / RESULT_NAME)
+        return True
 
     def _say(self, words: str) -> None:
         self._options.on_phase(words)

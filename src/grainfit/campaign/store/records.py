@@ -140,6 +140,11 @@ class CalibrationRecord:
     known: Sequence[str] = ()
     about: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def first_search(self) -> str:
+        """Identity of the first of the searches that belong together, see `Twins`; its own else."""
+        return str(self.about.get("first_search", self.identity))
+
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> CalibrationRecord:
         """Read a row; raise KeyError, TypeError or ValueError if it is no calibration."""
