@@ -189,6 +189,22 @@ def test_a_finished_result_survives_ctrl_c_while_its_runs_are_recalled(tmp_path:
     assert stopped == replace(first, status="interrupted")
 
 
+def test_a_result_has_every_run_that_was_under_way_at_its_end(tmp_path: Path) -> None:
+    def scattering(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        time.sleep(0.02 * (seed % 5))
+        return {"angle": 10 + 40 * parameters["x"] + 0.5 * (seed % 7 - 3)}
+
+    wanted = gf.Problem([gf.Parameter("x", 0.1, 0.9)], [gf.Target("angle", 60.0, tolerance=1)])
+    first = gf.calibrate(wanted, scattering, workdir=tmp_path, workers=4)
+    shown = read_status(tmp_path)
+    again = gf.calibrate(wanted, scattering, workdir=tmp_path, workers=4)
+
+    assert first.status == "unreachable"
+    assert first.runs.total == sum(shown.finished.values()) == sum(shown.asked.values())
+    assert again.runs == replace(first.runs, reused=first.runs.total)
+    assert again.parameters == first.parameters
+
+
 def test_larger_and_larger_budgets_continue_one_history(tmp_path: Path) -> None:
     def wavy(parameters: dict[str, float], seed: int) -> dict[str, float]:
         return {

@@ -319,9 +319,28 @@ class CalibrationLoop:
         return recorded
 
     def _search_and_verify(self) -> JudgedAnswer:
-        """Alternate between search and fresh seeds at its answer until the verdict is known."""
+        """Alternate between search and fresh seeds at its answer until the verdict is known.
+
+        It rests on all runs, as that of a later start does: those under way are waited for.
+        """
         self._run_strategy()
-        outcome = self._judge_answer()
+        outcome = self._verify(self._judge_answer())
+        while self._campaign.has_pending:
+            while self._campaign.has_pending:
+                self._tell(self._wait())
+            self._run_strategy()
+            if not self._looks:
+                outcome = self._verify(self._judge_answer())
+            elif not self._is_sure(outcome := self._keep_or_move(outcome.answer.parameters)):
+                outcome = self._verify(outcome)
+        return outcome
+
+    def _tell(self, evaluations: Sequence[Evaluation]) -> None:
+        for evaluation in evaluations:
+            self._strategy.tell(evaluation.proposal, evaluation)
+
+    def _verify(self, outcome: JudgedAnswer) -> JudgedAnswer:
+        """Run fresh seeds at an answer, and search again, until the verdict is known."""
         while self._can_be_confirmed(outcome):
             before = len(self._evaluations)
             self._run_fresh_seeds(outcome)
@@ -484,8 +503,7 @@ class CalibrationLoop:
                 asked += 1
             if not self._campaign.has_pending:
                 return
-            for evaluation in self._wait():
-                self._strategy.tell(evaluation.proposal, evaluation)
+            self._tell(self._wait())
 
     @property
     def _has_room(self) -> bool:
