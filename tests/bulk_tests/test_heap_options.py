@@ -9,6 +9,8 @@ import pytest
 
 import grainfit as gf
 from grainfit.bulk_tests.heap import Heap
+from grainfit.bulk_tests.outline import concepts
+from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.errors import InputError
 from grainfit.materials.sizes import ParticleSizes
 
@@ -31,6 +33,14 @@ def test_quantities_and_numbers_are_the_same_test() -> None:
 def test_a_plain_number_stays_as_it_was_given() -> None:
     # Up to version 0.1.0, 0 and 0.0 were written differently into the identity of a run.
     assert '"rim_height": 0,' in json.dumps(Heap(diameter=0.010, rim_height=0).definition())
+
+
+@pytest.mark.parametrize(
+    ("test", "part"), [(Heap, "plate"), (gf.tests.Funnel, "plate"), (gf.tests.DrawDown, "floor")]
+)
+def test_a_part_may_have_both_frictions_of_the_particles(test: type[Heap], part: str) -> None:
+    options = {f"{part}_{kind}_friction": AS_PARTICLES for kind in ("sliding", "rolling")}
+    assert concepts(test(diameter="10 mm", **options)) == concepts(test(diameter="10 mm"))
 
 
 def test_a_distribution_of_diameters() -> None:

@@ -296,6 +296,10 @@ def test_a_check_names_itself_its_severity_and_a_line(folder: Path, name: str) -
         ("sliding_friction = 0.27", "sliding_friction = 8", True),
         ("sliding_friction = 0.27", 'sliding_friction = {{ measured_angle = "60 deg" }}', False),
         ("sliding_friction = 0.27", "sliding_friction = 1.2", False),
+        ("sliding_friction = 0.27", "sliding_friction = {{ min = 8, max = 9 }}", True),
+        ("sliding_friction = 0.27", "sliding_friction = {{ min = 0.1, max = 9 }}", False),
+        ("plate_sliding_friction = 0.5 ", "plate_sliding_friction = 8 ", True),
+        ("plate_sliding_friction = 0.5 ", 'plate_sliding_friction = "particle_particle" ', False),
     ],
 )
 def test_a_friction_that_may_be_an_angle_is_told(

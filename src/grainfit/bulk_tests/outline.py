@@ -16,6 +16,7 @@ _ANY_MATERIAL: Mapping[str, float] = {
     "particle.density": 2500.0,
     "particle.youngs_modulus": 5e6,
     "particle.poissons_ratio": 0.25,
+    "particle_particle.sliding_friction": 0.5,
     "particle_particle.rolling_friction": 0.1,
 }
 

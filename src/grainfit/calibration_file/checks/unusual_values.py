@@ -10,6 +10,7 @@ from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.materials.wall_friction import USUAL_FRICTION, friction_of_angle
 from grainfit.materials.walls import plain_name
+from grainfit.options.fields import option_keys
 
 #: Densities of solids, kg/m^3: from aerogels and cork to tungsten and gold.
 _DENSITIES = (50.0, 2.3e4)
@@ -48,12 +49,23 @@ def unusual_value(context: FileContext) -> Iterator[Found]:
 
 
 def _frictions(context: FileContext) -> Iterator[Found]:
-    for name, value in context.fixed.items():
+    given = {
+        name: (name, value)
+        for name, value in context.lowest.items()
         # The tangent of a measured angle was no slip.
-        is_given = name not in context.file.measured_angles
-        if plain_name(name) in (SLIDING, WALL_SLIDING) and value > USUAL_FRICTION and is_given:
+        if plain_name(name) in (SLIDING, WALL_SLIDING) and name not in context.file.measured_angles
+    }
+    for test, simulated in context.bulk_tests.items():
+        # Of a plate, a floor, a box: all but rolling ones are sliding frictions.
+        names = [one.name for one in option_keys(type(simulated)) if "friction" in one.name]
+        for name in names:
+            value = getattr(simulated, name)
+            if "rolling" not in name and isinstance(value, int | float):
+                given[context.key(test, name)] = f"Test {test}: {name}", value
+    for key, (name, value) in given.items():
+        if value > USUAL_FRICTION:
             tangent = friction_of_angle(value)
-            yield name, messages.LARGE_FRICTION(name=name, value=value, tangent=tangent)
+            yield key, messages.LARGE_FRICTION(name=name, value=value, tangent=tangent)
 
 
 def _angle(name: str, value: float) -> str:
