@@ -12,21 +12,25 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
+from PIL import Image
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from grainfit import design, estimate
+from grainfit import Parameter, Problem, Progress, Target, calibrate, design, estimate
 from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.calibration_file.starter import starter_file
 from grainfit.campaign import messages as of_campaign
 from grainfit.campaign.folder_lock import hold
 from grainfit.campaign.store.store import RunStore
 from grainfit.cli import messages as cli_messages
 from grainfit.cli.app import app
+from grainfit.cli.options import require_free
 from grainfit.errors import StoreError
 from grainfit.ground_messages import CANNOT_BE_WRITTEN
 from grainfit.materials import messages as of_materials
+from grainfit.photographs.overlay import overlay_places, write_page
 from grainfit.report import verdict_messages as messages
 from grainfit.verdict import messages as of_verdict
 from grainfit.work_folder.status import read_status
@@ -459,11 +463,56 @@ def test_a_file_of_the_user_is_replaced_when_asked_only(
         assert cli_messages.NOT_REPLACED.is_in(str(beside.exception), file=name)
 
 
-def test_a_page_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["atlas"], "grainfit-atlas.html"),
+        (["compare", "one", "other", "--open"], "compared.html"),
+        (["size", "heap.toml"], "heap.size.png"),
+        (["preview", "heap.toml"], "heap.preview.png"),
+        (["preview", "heap.toml"], "heap.preview.html"),
+        (["photo", "heap.jpg"], "overlays/heap_measured.png"),
+        (["photo", "--test", "drum", "stills", "--overlays", "."], "1_refused.png"),
+    ],
+)
+def test_a_file_of_the_user_with_a_default_name_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], name: str
+) -> None:
     monkeypatch.chdir(tmp_path)
+    Path("stills").mkdir()
+    Path("stills/1.jpg").touch()
+    Path(name).parent.mkdir(exist_ok=True)
+    Path(name).write_text("mine", encoding="utf-8")
+    done = CliRunner().invoke(app, arguments)
+
+    assert cli_messages.NOT_REPLACED.is_in(str(done.exception), file=name)
+    assert Path(name).read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["atlas"],
+        ["preview", "heap.toml"],
+        ["estimate", "--diameter", "3mm", "--density", "900", "--angle", "30deg", "-o", "e.png"],
+    ],
+    ids=["atlas", "preview", "estimate"],
+)
+def test_a_page_or_a_picture_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("heap.toml").write_text(starter_file(["packing"]), encoding="utf-8")
     for _ in range(2):
-        done = CliRunner().invoke(app, ["atlas", "-o", "atlas.html"])
+        done = CliRunner().invoke(app, arguments)
         assert done.exit_code == 0, done.output
+
+
+def test_an_overlay_is_made_again(tmp_path: Path) -> None:
+    place, _ = overlay_places(tmp_path, Path("heap.jpg"))
+    write_page(Image.new("RGB", (40, 30)), "31.0", place)
+
+    require_free(place, force=False)
 
 
 def test_commands_that_write_a_named_file_have_the_option_that_replaces_one() -> None:
@@ -475,6 +524,26 @@ def test_commands_that_write_a_named_file_have_the_option_that_replaces_one() ->
 
     assert {"report", "photo", "preview"} <= writing
     assert {name for name in writing if "--force" not in found[name]} == set()
+
+
+@pytest.mark.parametrize("is_interrupted", [True, False])
+def test_a_report_without_an_answer_says_so_in_the_terminal(
+    tmp_path: Path, is_interrupted: bool
+) -> None:
+    def stop(progress: Progress) -> None:
+        if is_interrupted and progress.done:
+            raise KeyboardInterrupt
+
+    wanted = Problem([Parameter("x", 0.1, 0.9)], [Target("angle", 30.0, tolerance=1)])
+    calibrate(wanted, lambda p: {"angle": 60 * p["x"]}, workdir=tmp_path, on_progress=stop)
+    with_answer = CliRunner().invoke(app, ["report", str(tmp_path)])
+    (tmp_path / "result.json").unlink()
+    without = CliRunner().invoke(app, ["report", str(tmp_path)])
+
+    missing = messages.INTERRUPTED_EARLY if is_interrupted else messages.RESULT_MISSING
+    assert missing.is_in(with_answer.stderr) is is_interrupted
+    assert missing.is_in(without.stderr)
+    assert messages.NO_ANSWER.is_in(without.stderr, state="calibrated") is not is_interrupted
 
 
 def test_full_size_without_twins_is_refused(tmp_path: Path) -> None:

@@ -62,7 +62,7 @@ def output_option(metavar: str, text: str, *names: str) -> Any:
     """Return the option of the file that a command writes; its folder is there before it begins.
 
     A file name has the ending of the metavar, if that has one. The option is called ``--output``
-    by default. A command that has it asks `require_free`, too.
+    by default. A command that has it asks `require_free`, too, also of a default name.
     """
     names = names or ("--output", "-o")
     kind = Path(metavar).suffix
@@ -75,20 +75,22 @@ def output_option(metavar: str, text: str, *names: str) -> Any:
 
 
 Force = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
-#: What every page of grainfit has near its beginning, and within how many bytes.
-_OF_GRAINFIT, _HEAD_OF_PAGE = b'<meta name="generator" content="grainfit', 1000
+#: What every page and every picture of grainfit has near its beginning, and within how many bytes.
+_OF_GRAINFIT = b'<meta name="generator" content="grainfit', b"tEXtSoftware\0grainfit"
+_HEAD = 1000
 
 
 def require_free(path: Path | None, *, force: bool) -> None:
     """Raise `InputError` where a command would replace a file without being asked to.
 
-    Pages of grainfit are made again and again; a pipe or a device is written to, not replaced.
+    Pages and pictures of grainfit are made again and again; a pipe or a device is written to, not
+    replaced.
     """
     if path is None or force or not path.is_file():
         return
     with writing(path), path.open("rb") as file:
-        begins = file.read(_HEAD_OF_PAGE)
-    if _OF_GRAINFIT not in begins:
+        begins = file.read(_HEAD)
+    if not any(mark in begins for mark in _OF_GRAINFIT):
         raise InputError(messages.NOT_REPLACED.fault("", file=str(path)))
 
 

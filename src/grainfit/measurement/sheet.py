@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
+from PIL.PngImagePlugin import PngInfo
 
 from grainfit.measurement.angle_of_repose import Flank
 
@@ -92,6 +94,13 @@ def _wrapped(text: str, width: float) -> list[str]:
         else:
             lines[-1] = longer
     return lines
+
+
+def save_picture(picture: Image.Image, path: Path) -> None:
+    """Write a PNG that says that grainfit made it: a command makes it again without a question."""
+    about = PngInfo()
+    about.add_text("Software", "grainfit")
+    picture.save(path, "png", pnginfo=about)
 
 
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:

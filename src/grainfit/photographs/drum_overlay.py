@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw
 
 from grainfit.measurement.sheet import FLANK
 from grainfit.photographs.drum import DrumSeries
-from grainfit.photographs.overlay import OUTLINE, PLATE, draw_line, write_page
+from grainfit.photographs.overlay import OUTLINE, PLATE, draw_line, overlay_places, write_page
 from grainfit.photographs.pictures import read_picture
 from grainfit.photographs.videos import Video, is_video
 
@@ -35,12 +35,12 @@ def draw_drum_overlay(folder: Path, found: DrumSeries) -> Path:
     ]
     count = len(found.angles.bed.heights)
     text = f"{', '.join(said)} (± standard error over time); {count} frames, the first is shown"
-    return write_page(image, text, folder / f"{found.path.stem}_measured.png")
+    measured, _ = overlay_places(folder, found.path)
+    return write_page(image, text, measured)
 
 
 def draw_refused(folder: Path, path: Path, reason: str) -> None:
     """Write a PNG of a picture, or of the first frame of a video, with why it is not measured."""
     colours = Video(path).some(1)[0] if is_video(path) else read_picture(path).colours
-    write_page(
-        Image.fromarray(colours), f"not measured: {reason}", folder / f"{path.stem}_refused.png"
-    )
+    _, refused = overlay_places(folder, path)
+    write_page(Image.fromarray(colours), f"not measured: {reason}", refused)

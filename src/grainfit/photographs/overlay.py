@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from grainfit.arrays import Array
-from grainfit.measurement.sheet import FLANK, font
+from grainfit.measurement.sheet import FLANK, font, save_picture
 from grainfit.photographs.heap import HeapInPicture
 from grainfit.photographs.pictures import Picture
 
@@ -47,12 +47,18 @@ def write_overlay(
         Draws what was found with lines of a width, and returns the text below the picture.
     """
     image = Image.fromarray(picture.colours)
+    measured, refused = overlay_places(folder, picture.path)
     if isinstance(found, str):
-        text, ending = f"not measured: {found}", "refused"
+        text, place = f"not measured: {found}", refused
     else:
         text = draw(ImageDraw.Draw(image), found, max(2, image.width // 400))
-        ending = "measured"
-    return write_page(image, text, folder / f"{picture.path.stem}_{ending}.png")
+        place = measured
+    return write_page(image, text, place)
+
+
+def overlay_places(folder: Path, picture: Path) -> tuple[Path, Path]:
+    """Return where the overlay of a picture is written: of a measured one, and of a refused one."""
+    return folder / f"{picture.stem}_measured.png", folder / f"{picture.stem}_refused.png"
 
 
 def write_page(image: Image.Image, text: str, path: Path) -> Path:
@@ -67,7 +73,7 @@ def write_page(image: Image.Image, text: str, path: Path) -> Path:
         place = (size / 2, image.height + size / 2 + 1.3 * size * number)
         draw.text(place, line, fill="#ffffff", font=font(size))
     path.parent.mkdir(parents=True, exist_ok=True)
-    page.save(path)
+    save_picture(page, path)
     return path
 
 

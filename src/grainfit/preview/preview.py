@@ -8,7 +8,7 @@ from pathlib import Path
 from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines, apparatus_of
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.files import write_atomically, writing
-from grainfit.measurement.sheet import OVERSAMPLING, sheet
+from grainfit.measurement.sheet import OVERSAMPLING, save_picture, sheet
 from grainfit.preview import messages
 from grainfit.preview.geometry import geometry_of
 from grainfit.preview.page import preview_page
@@ -89,7 +89,7 @@ def write_picture(path: Path, name: str, tests: Sequence[PreviewedTest]) -> None
     listed = "; ".join(f"{test.name}: {test.cost_text}" for test in tests)
     states = "slate: walls and glued particles; vermilion: those that move; green: put later"
     words = f"{listed}. Colours of loose particles: height; {states}."
-    sheet(name, words, panels, width).save(path, "png")
+    save_picture(sheet(name, words, panels, width), path)
 
 
 def write_preview(

@@ -11,7 +11,7 @@ from grainfit.atlas.estimate import Estimate, EstimatedParameter
 from grainfit.files import writing
 from grainfit.formatting import unit_for_people
 from grainfit.measurement.line_panel import PlottedLine, line_panel
-from grainfit.measurement.sheet import FLANK, OVERSAMPLING, sheet
+from grainfit.measurement.sheet import FLANK, OVERSAMPLING, save_picture, sheet
 
 _WIDTH = 560 * OVERSAMPLING
 _SIZE = (_WIDTH, 260 * OVERSAMPLING)
@@ -34,7 +34,7 @@ def draw_estimate(estimate: Estimate, path: Path) -> None:
         "Not simulated: a calibration verifies it"
     )
     with writing(path):
-        sheet("Estimate of the parameters", subtitle, panels, _WIDTH).save(path, "png")
+        save_picture(sheet("Estimate of the parameters", subtitle, panels, _WIDTH), path)
 
 
 def _panel(estimate: Estimate, axis: int, one: EstimatedParameter) -> Image.Image:

@@ -11,7 +11,7 @@ from PIL import Image
 from grainfit.analysis.size_study import SizesOfTest, SizeStudy
 from grainfit.files import writing
 from grainfit.measurement.line_panel import PlottedLine, line_panel
-from grainfit.measurement.sheet import FLANK, OVERSAMPLING, sheet
+from grainfit.measurement.sheet import FLANK, OVERSAMPLING, save_picture, sheet
 from grainfit.problem import Target
 
 _WIDTH = 560 * OVERSAMPLING
@@ -36,10 +36,9 @@ def draw_sizes(study: SizeStudy, path: Path) -> None:
         "blue: simulated, mean ± standard error; orange: the trend, and its 95 % interval at the "
         "size that was asked for. Size: cube root of the number of particles"
     )
+    title = "Responses over the size of the apparatus"
     with writing(path):
-        sheet("Responses over the size of the apparatus", subtitle, panels, _WIDTH).save(
-            path, "png"
-        )
+        save_picture(sheet(title, subtitle, panels, _WIDTH), path)
 
 
 def _panel(test: SizesOfTest, target: Target) -> Image.Image:

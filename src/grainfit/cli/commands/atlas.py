@@ -26,12 +26,12 @@ def atlas(
 
     Example:  grainfit atlas --open
     """
-    require_free(output, force=force)
+    path = output or Path("grainfit-atlas.html")
+    require_free(path, force=force)
     from grainfit.atlas.shelf import shipped_atlas
     from grainfit.atlas_page.page import atlas_page
     from grainfit.files import write_atomically, writing
 
-    path = output or Path("grainfit-atlas.html")
     with writing(path):
         write_atomically(path, atlas_page(shipped_atlas()))
     counts = shipped_atlas().counts

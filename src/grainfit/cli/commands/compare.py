@@ -36,16 +36,16 @@ def compare(
     Parameters and responses whose 95 % intervals are apart differ; the others agree. Fixed
     parameters are shown where they are not the same.
     """
-    require_free(output, force=force)
+    path = output or (_PAGE if open_it else None)
+    require_free(path, force=force)
     from grainfit.work_folder.comparison import compare as compared
     from grainfit.work_folder.saved_calibration import SavedCalibration
 
     saved = [SavedCalibration.open(folder) for folder in folders]
     found = compared(saved)
-    if output or open_it:
+    if path:
         from grainfit.report.compared.page import write_compared_page
 
-        path = output or _PAGE
         write_compared_page(found, saved, path)
         if not as_json:
             out_remarks.print(f"Page: {path}", highlight=False, markup=False, soft_wrap=True)
@@ -53,5 +53,5 @@ def compare(
             open_in_browser(path)
     if as_json:
         print_document("comparison", found.document())
-    elif not output and not open_it:
+    elif not path:
         show.print_parts(out, found.parts())

@@ -144,6 +144,7 @@ def photo(
     if edit:
         _edit(pictures, port, open_page, known)
         return
+    _require_free_overlays(overlays, pictures, force=force)
     known |= {"box": box, "drum": drum, "distance": distance, "length": length, "level": level}
     known["reference"] = None if reference is None else _places("reference", reference, 2)
     with err_remarks.status("photographs"):
@@ -151,6 +152,15 @@ def photo(
 
         found = measured(pictures, test, overlays=overlays, **known)
     show.print_parts(out, found.summary())
+
+
+def _require_free_overlays(folder: Path, pictures: list[Path], *, force: bool) -> None:
+    from grainfit.photographs.overlay import overlay_places
+
+    for given in pictures:
+        for picture in given.iterdir() if given.is_dir() else [given]:
+            for place in overlay_places(folder, picture):
+                require_free(place, force=force)
 
 
 def _write_sheet(marker: Path) -> None:

@@ -38,9 +38,9 @@ def preview(
     Writes a page in three dimensions, and a picture (PNG). No solver is needed or started; the
     function of a scene of your own is called. Measured values may be missing.
     """
-    if output is not None:
-        require_free(output.with_suffix(".html"), force=force)
-        require_free(output.with_suffix(".png"), force=force)
+    path = output or Path(f"{file.stem}.preview.html")
+    require_free(path.with_suffix(".html"), force=force)
+    require_free(path.with_suffix(".png"), force=force)
     from grainfit.calibration_file.apparatus import apparatus_of_tests
     from grainfit.calibration_file.planned import load_tests
     from grainfit.calibration_file.settings import set_values
@@ -53,9 +53,7 @@ def preview(
     apparatus = apparatus_of_tests(planned.file, planned.solvers, material)
     tests = preview_tests(planned.solvers, values, seed, str(file), apparatus)
     units = material_units(values) | {p.name: p.unit for p in planned.file.parameters}
-    page, picture = write_preview(
-        output or Path(f"{file.stem}.preview.html"), planned.file.name, tests, values, units
-    )
+    page, picture = write_preview(path, planned.file.name, tests, values, units)
     show.print_preview(out, tests, page, picture)
     if open_it:
         open_in_browser(page)

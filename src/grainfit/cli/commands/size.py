@@ -63,7 +63,8 @@ def size(
 
     Example:  grainfit size bucket.toml --seeds 5
     """
-    require_free(output, force=force)
+    picture = output or Path(f"{file.stem}.size.png")
+    require_free(picture, force=force)
     from grainfit.work_folder.size_picture import draw_sizes
     from grainfit.work_folder.size_study import size_study
 
@@ -78,7 +79,6 @@ def size(
             workers=workers,
             **report,
         )
-    picture = output or Path(f"{file.stem}.size.png")
     show.print_parts(out, study.summary())
     draw_sizes(study, picture)
     show.print_parts(out, (f"Picture: {picture}",))
