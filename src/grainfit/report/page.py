@@ -19,6 +19,7 @@ from grainfit.report import messages
 from grainfit.report.rendering import fill_template, script_json
 from grainfit.report.section import ReportContext
 from grainfit.report.sections.registry import FOLDED, SECTIONS
+from grainfit.report.verdict import shown_verdict
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 REPORT_NAME = "report.html"
@@ -47,7 +48,7 @@ def write_report(
     on_progress : callable, optional
         Called with a few words before each step.
     on_warning : callable, optional
-        Called with the reason why the result cannot be used, if it cannot.
+        Called with why there is no answer to be shown, if there is none.
 
     Returns
     -------
@@ -67,11 +68,13 @@ def write_report(
     with one_thread():
         analysis = reading.analyse()
         tell("drawing")
-        page = render_page(ReportContext(reading, analysis))
+        context = ReportContext(reading, analysis)
+        page = render_page(context)
     path = Path(output) if output is not None else reading.folder / REPORT_NAME
     _write(path, page)
-    if reading.result_fault and on_warning is not None:
-        on_warning(reading.result_fault)
+    if not context.answer and on_warning is not None:
+        verdict = shown_verdict(context)
+        on_warning(" ".join((verdict.line, *verdict.details)))
     return path
 
 

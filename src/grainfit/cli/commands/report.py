@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -46,7 +46,10 @@ def report(
     """
     require_kind(output, ".pdf" if sheet else ".html")
     require_free(output, force=force)
-    path = _write_sheet(workdir, output) if sheet else _write(workdir, output)
+    warnings: list[str] = []
+    path = _write_sheet(workdir, output) if sheet else _write(workdir, output, warnings.append)
+    for warning in warnings:
+        show.print_warning(err, warning)
     if open_it:
         open_in_browser(path)
 
@@ -71,9 +74,10 @@ def report_at_end(workdir: Path) -> Iterator[None]:
     _write_if_possible(workdir)
 
 
-def _write(workdir: Path, output: Path | None = None) -> Path:
+def _write(
+    workdir: Path, output: Path | None = None, on_warning: Callable[[str], None] | None = None
+) -> Path:
     """Write the report and show its progress, because it takes some seconds."""
-    warnings: list[str] = []
     with err_remarks.status("report") as status:
         from grainfit.report.page import write_report
 
@@ -81,11 +85,9 @@ def _write(workdir: Path, output: Path | None = None) -> Path:
             workdir,
             output,
             on_progress=lambda section: status.update(f"report: {section}"),
-            on_warning=warnings.append,
+            on_warning=on_warning,
         )
     out_remarks.print(f"Report: {path}", highlight=False, markup=False, soft_wrap=True)
-    for warning in warnings:
-        show.print_warning(err, warning)
     return path
 
 
