@@ -31,8 +31,8 @@ _LOCK_SECONDS = 1.0
 _BEAT_SECONDS, _SILENT_SECONDS = 5.0, 20.0
 _UNSUPPORTED = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
 _ANOTHER = (
-    "Choose a folder on another file system with --workdir (for runs on a cluster, one that the "
-    "nodes share, such as the home folder)"
+    "Choose a folder on another file system (workdir; for runs on a cluster, one that the nodes "
+    "share, such as the home folder)"
 )
 _MOVE = "Move it to another file system"
 _held: set[TextIO] = set()

@@ -43,11 +43,11 @@ WITHOUT_RESPONSES = Message("its runs have no {names}")
 
 # Work folder.
 FOLDER_UNUSABLE = Message("the work folder {folder!r} cannot be used: {reason}.", "{remedy}")
-ANOTHER_FOLDER = Message("Choose another with --workdir.")
+ANOTHER_FOLDER = Message("Choose another (workdir).")
 MAKE_WRITABLE = Message("Make it writable: this command changes the folder itself.")
 NOT_A_FILE = Message("{path!r} is a pipe, a socket or a device, not a file.", "Remove it.")
 FOLDER_IN_USE = Message("the work folder {folder!r} is in use by process {process}.", "{remedy}")
-WAIT_OR_ANOTHER = Message("Wait for it to end, or choose another folder with --workdir.")
+WAIT_OR_ANOTHER = Message("Wait for it to end, or choose another folder (workdir).")
 WAIT = Message("Wait for it to end.")
 NOT_LOCKED = Message("the work folder {folder!r} cannot be locked: {reason}.", "{remedy}.")
 NO_LOCKS = Message(
@@ -146,7 +146,7 @@ NO_SCHEDULER = Message("{command} is not found: the runs are executed on this ma
 PATH_FOR_SCRIPTS = Message(
     "the work folder {folder!r} cannot be used on a cluster: scripts of jobs cannot have such a "
     "path.",
-    "Choose one of letters (a to z), digits and _ . - with --workdir.",
+    "Choose one of letters (a to z), digits and _ . - (workdir).",
 )
 RUNS_HERE = Message("scheduler is local: the runs are executed on this machine.")
 NO_PARSL = Message("runs on a cluster need Parsl, which is not installed.", "{install}")

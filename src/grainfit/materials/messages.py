@@ -99,8 +99,8 @@ NONE_OF_CLASS = Message(
     "{words!r} is in no material of the class {name!r}.", "Leave one of them out."
 )
 LISTED = Message(
-    "{number}. Published values, each with its source: grainfit materials NAME. A file of one: "
-    "grainfit new FILE --material NAME."
+    "{number}. Published values, each with its source: 'grainfit materials NAME'. A file of "
+    "one: 'grainfit new FILE --material NAME'."
 )
 NO_CLASS = Message("{name!r} is no class of materials.", "Use one of {known}.")
 NEITHER_FIXED_NOR_FREE = Message(

@@ -72,7 +72,7 @@ UNSURE_ELEVATION = Message(
     "the elevation of the camera, {elevation:.1f} ± {error:.1f} degrees above the plate, is too "
     "uncertain: the angle would be uncertain by {angle_error:.1f} degrees.",
     "Lower the camera, put the heap on a round plate that is seen wholly, or give the elevation "
-    "(--elevation).",
+    "(elevation).",
 )
 ELEVATIONS_DISAGREE = Message(
     "the camera is {foot:.1f} degrees above the plate by what the picture shows, and "
@@ -108,7 +108,7 @@ NO_PICTURES = Message(
 )
 NONE_GIVEN = Message("there is no picture.", "Give one or more pictures, or folders of pictures.")
 NO_LENGTH = Message(
-    "is of use with a known length only.", "Give the diameter of the plate, too (--plate)."
+    "is of use with a known length only.", "Give the diameter of the plate, too (plate)."
 )
 ALL_REFUSED = Message("none of the pictures can be measured:\n{reasons}")
 REFUSED = Message("{path}: {reason}")
@@ -196,18 +196,18 @@ NO_MARK = Message(
     "tape on the rim.",
 )
 LEVEL = Message(
-    "It is taken that the camera is level within {error:g} degrees (--level). The marker sheet, or "
+    "It is taken that the camera is level within {error:g} degrees (level). The marker sheet, or "
     "a second video of the drum that turns the other way, would tell it."
 )
 PERSPECTIVE = Message(
     "Perspective makes the dynamic angle too small by up to a degree: give the distance of the "
-    "camera before the drum, with the drum's diameter and length (--distance, --drum, --length)."
+    "camera before the drum, with the drum's diameter and length (distance, drum, length)."
 )
 WHOLE_DRUM = Message(
     "is of use with the others only.",
     "Give the distance of the camera, the diameter and the length of the drum, or none of them.",
 )
-DRUM_ONLY = Message("is of use for a drum only.", "Add --test drum, or leave it out.")
+DRUM_ONLY = Message("is of use for a drum only.", "Choose the test drum, or leave it out.")
 NOT_OF_DRUM = Message("is of no use for a drum.", "Leave it out.")
 
 # Draw-downs.
@@ -218,8 +218,7 @@ NO_WEDGES = Message(
 )
 NO_SHEAR_ANGLE = Message(
     "the wedges have no angle: {reason}",
-    "If the particles are smaller, give their diameter and the width of the box (--diameter, "
-    "--box).",
+    "If the particles are smaller, give their diameter and the width of the box (diameter, box).",
 )
 WEDGES_CUT_OFF = Message(
     "a wedge is cut off by the edge of the picture.", "Photograph the whole box."
@@ -233,7 +232,7 @@ BOX_AND_DIAMETER = Message(
     "is of use with the other only.",
     "Give the inner width of the box and the diameter of the particles, or neither.",
 )
-BOX_ONLY = Message("is of use for a draw-down only.", "Add --test draw_down, or leave it out.")
+BOX_ONLY = Message("is of use for a draw-down only.", "Choose the test draw_down, or leave it out.")
 NOT_OF_DRAW_DOWN = Message("is of no use for a draw-down.", "Leave it out.")
 
 # Slopes.
@@ -258,14 +257,14 @@ BENT_SLOPE = Message(
 )
 SHORT_REFERENCE = Message(
     "the points of the reference are too near to each other.",
-    "Give two points far apart on a level edge (--reference).",
+    "Give two points far apart on a level edge (reference).",
 )
 LEVEL_SLOPE = Message(
-    "It is taken that the camera is level within {error:g} degrees (--level). The marker sheet, or "
-    "two points of a level line in the picture (--reference), would tell it."
+    "It is taken that the camera is level within {error:g} degrees (level). The marker sheet, or "
+    "two points of a level line in the picture (reference), would tell it."
 )
 ONE_SLOPE = Message("This is one picture: tilt the plane three or four times anew.")
-SLOPE_ONLY = Message("is of use for a slope only.", "Add --test slope, or leave it out.")
+SLOPE_ONLY = Message("is of use for a slope only.", "Choose the test slope, or leave it out.")
 NOT_OF_SLOPE = Message("is of no use for a slope.", "Leave it out.")
 NO_REFERENCE = Message("is {given!r}.", 'Give two points in pixels: "100,912 1480,915".')
 
@@ -275,11 +274,11 @@ NO_PLACES = Message("places on a picture are pairs of numbers.")
 OTHER_COUNT = Message("{name} has {count} points, or is no part that can be drawn.")
 DAMAGED = Message(
     "{path}: cannot be read ({reason}).",
-    "Remove it, and draw again: grainfit photo --edit PICTURE.",
+    "Remove it, and draw again: 'grainfit photo --edit PICTURE'.",
 )
 OTHER_PICTURE = Message(
     "{path}: was drawn on another picture than {picture}.",
-    "Remove it, and draw again: grainfit photo --edit PICTURE.",
+    "Remove it, and draw again: 'grainfit photo --edit PICTURE'.",
 )
 NO_RECTANGLE = Message(
     "the four points are no corners of a rectangle.",
@@ -293,9 +292,12 @@ NOT_LEVEL = Message(
 OTHER_SHAPE = Message(
     "the four points are those of a rectangle with sides in the ratio {ratio:.2f}, not of the one "
     "that is given.",
-    "Look at the points and at the sides (--rectangle).",
+    "Look at the points and at the sides (rectangle).",
 )
-ONE_PICTURE = Message("is for one picture.", "Measure the pictures one by one, or use --edit.")
+ONE_PICTURE = Message(
+    "is for one picture.",
+    "Measure the pictures one by one, or draw on each: 'grainfit photo --edit PICTURE'.",
+)
 NO_POINTS = Message(
     "is {given!r}.", 'Give four points in pixels: "412,880 1190,871 1402,1015 250,1030".'
 )

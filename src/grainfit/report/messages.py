@@ -3,7 +3,7 @@
 from grainfit.messages import Message
 
 CANNOT_BE_WRITTEN = Message(
-    "the report {path!r} cannot be written: {reason}.", "Choose another place with --output."
+    "the report {path!r} cannot be written: {reason}.", "Choose another place (output)."
 )
 AT_THIS_SIZE = Message("{here} in this smaller apparatus, {real} in the laboratory's")
 NO_JAMS = Message(
@@ -17,7 +17,7 @@ NO_OUTLYING_RUNS = Message(
 
 # The customer's sheet.
 SHEET_CANNOT_BE_WRITTEN = Message(
-    "the sheet {path!r} cannot be written: {reason}.", "Choose another place with --output."
+    "the sheet {path!r} cannot be written: {reason}.", "Choose another place (output)."
 )
 NOT_TO_BE_USED = Message("These values are not those of a calibrated material.")
 COARSE = Message(

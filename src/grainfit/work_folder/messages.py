@@ -5,12 +5,12 @@ from grainfit.messages import Message
 # Tables of runs.
 CURVE = Message(
     "is a curve, and a table of runs holds single numbers only.",
-    "A work folder holds curves: give the one that the runs are in (--runs DIR, --runs-from DIR).",
+    "A work folder holds curves: give the one that the runs are in.",
 )
 CURVE_BESIDE_NUMBERS = Message(
     "is a curve, and a table of runs holds single numbers only.",
-    "A work folder holds curves: give the one that the runs are in (--runs DIR, --runs-from DIR), "
-    "or leave the curve out of the targets of test {test!r}.",
+    "A work folder holds curves: give the one that the runs are in, or leave the curve out of the "
+    "targets of test {test!r}.",
 )
 OTHER_MATERIAL = Message(
     "is {value:g}, and {fixed:g} in the calibration file: this is a run of another material.",
@@ -37,7 +37,7 @@ OUTSIDE_OF_INTERVAL = Message(
 )
 NOT_BY_EARLIER_CALIBRATIONS = Message(
     "A calibration that was started in this folder before continues without these runs. A new "
-    "one, such as one with another --seed, has a warm start from them."
+    "one, such as one with another seed, has a warm start from them."
 )
 NO_TABLES = Message("are not given.", "Name a table of runs.")
 NO_RUN_OF_THE_FILE = Message(
@@ -104,7 +104,7 @@ NO_PARAMETER_OF_FILE = Message(
 )
 NO_VALUE_IN_ANSWER = Message(
     "is free in the file, and has no value in the answer of {folder!r}.",
-    "Set it (--set NAME=VALUE), or give it a value in the file.",
+    "Set it (NAME=VALUE), or give it a value in the file.",
 )
 SEED_TOO_LARGE = Message(
     "{seed} and the {repeat} seeds from it on go beyond {largest}.", "Give a smaller one."
@@ -113,7 +113,7 @@ SCENE_NOT_IN_RUNS = Message("is a scene of your own, whose file its runs do not 
 OWN_MODEL_NOT_IN_RUNS = Message(
     "was simulated by a model of your own, which its runs do not hold.", "{remedy}"
 )
-GIVE_FILE_AND_ANSWER = Message("Give the calibration file, with --set NAME=VALUE for the answer.")
+GIVE_FILE_AND_ANSWER = Message("Give the calibration file, and set the answer (NAME=VALUE).")
 ADVICE_FOR_BULK_TESTS = Message(
     "Advice is for calibrations of bulk tests on a DEM program alone; where a calibration file has "
     "such tests beside your own, 'grainfit design FILE' ranks further ones."
@@ -135,21 +135,19 @@ NO_SIZES = Message(
     "has no apparatus whose size can be changed.", "Own models and scenes have their own."
 )
 NOTHING_MEASURED = Message(
-    "is not given, and --bulk-density neither.", "Give what you measured: --angle 34deg."
+    "is not given, and the bulk density neither.", "Give what you measured, such as 34deg."
 )
 NO_DENSITY = Message(
-    "is not given, and --bulk-density neither.",
-    "Give the density of the particles, such as --density 900kg/m^3.",
+    "is not given, and the bulk density neither.",
+    "Give the density of the particles, such as 900kg/m^3.",
 )
 
 # Predictions of hold-outs.
-NO_HOLDOUT = Message(
-    "there is no [[holdout]] in the file.", "Add one, or name a test: --test NAME."
-)
+NO_HOLDOUT = Message("there is no [[holdout]] in the file.", "Add one, or name a test of the file.")
 NO_SUCH_TEST = Message("{given!r} is no test of the file.", "{remedy}")
 FAR_FROM_RUNS = Message(
     "is set to {value}, and was calibrated between {low} and {high}: its runs tell nothing there.",
-    "Set a nearer value, or simulate it: grainfit simulate FILE --set NAME=VALUE.",
+    "Set a nearer value, or simulate it: 'grainfit simulate FILE --set NAME=VALUE'.",
 )
 ANOTHER_MATERIAL = Message(
     "{name} is {value} here and {answer} in the answer: this is not the calibrated material, and "
