@@ -94,7 +94,7 @@ def test_folder_without_locks_is_refused(
 ) -> None:
     said = start(sys.executable, "-c", HOLD, locks=f"{kind}:{error}").communicate(timeout=60)[0]
     assert said.startswith("the work folder 'work' cannot be locked: ")
-    for part in (os.strerror(error), "no locks", "--workdir", "cluster", "administrator"):
+    for part in (os.strerror(error), "no locks", "workdir", "cluster", "administrator"):
         assert part in said
     assert not (tmp_path / "work" / "runs.sqlite").exists()
 
