@@ -680,8 +680,9 @@ def test_repeated_runs_say_which_curves_they_do_not_show(
 def test_table_of_runs_has_no_curves(setup: CalibrationSetup, tmp_path: Path) -> None:
     table = tmp_path / "runs.csv"
     table.write_text("stiffness\n3\n")
-    with pytest.raises(InputError, match=r"runs\.csv: stress: is a curve.*--runs DIR.*DIR\)\.$"):
+    with pytest.raises(InputError, match=r"runs\.csv: stress: ") as caught:
         analyse_runs(setup, table)
+    assert of_work_folder.CURVE.is_in(str(caught.value))
 
 
 def test_table_of_runs_can_do_without_the_curve_of_a_test_with_numbers(
