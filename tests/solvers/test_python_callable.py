@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import functools
+import itertools
 import json
+import math
 import os
 import subprocess
 import sys
@@ -12,6 +15,7 @@ import threading
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from grainfit.errors import InputError, NotMeasurableError, RunFailedError
@@ -357,6 +361,118 @@ def test_objects_that_are_not_data_do_not_make_another_function(make):
 
     assert definition(make(object())) == definition(make(object()))
     assert definition(make(itself)) == definition(make(itself))
+
+
+@dataclasses.dataclass(slots=True)
+class InSlots:
+    value: object
+
+    def __call__(self, p, _s):
+        return {"a": (self.value, p["x"])}
+
+
+def in_slots_of_a_base(value):
+    class Derived(InSlots):
+        pass
+
+    return Derived(value)
+
+
+def by_inner_function(value):
+    def inner(x):
+        return value, x
+
+    return lambda p, _s: {"a": inner(p["x"])}
+
+
+def by_cached_function(value):
+    cached = functools.lru_cache(lambda x: (value, x))
+    return lambda p, _s: {"a": cached(p["x"])}
+
+
+OUTER_HOLDERS = [
+    InSlots,
+    in_slots_of_a_base,
+    by_inner_function,
+    by_cached_function,
+    lambda value: Held(Held(value)),
+    lambda value: Held(InSlots([Held(value)])),
+    lambda value: enclosing(Held(value).__call__),
+    lambda value: enclosing(functools.partial(power, value)),
+    lambda value: enclosing(pd.DataFrame({"k": [value]})),
+    lambda value: functools.partial(power, {"held": Held(value)}),
+]
+
+
+@pytest.mark.parametrize("make", OUTER_HOLDERS)
+def test_identity_follows_slots_inner_functions_and_objects_in_objects(make):
+    first = definition(make(2.0))
+
+    assert first != definition(make(3.0))
+    assert first == definition(make(2.0))
+
+
+def test_identity_follows_the_code_of_inner_functions():
+    def of_inner(inner):
+        return definition(lambda p, _s: {"a": inner(p["x"])})
+
+    def once(x):
+        return x
+
+    def twice(x):
+        return 2 * x
+
+    assert of_inner(once) != of_inner(twice)
+    assert of_inner(math.sin) != of_inner(math.cos)
+    assert of_inner(np.sin) != of_inner(np.cos)
+
+
+def test_objects_that_hold_each_other_and_themselves_have_an_identity():
+    def circle(value):
+        one, two = Held(value), Held(None)
+        one.other, two.value = two, one
+        for _ in range(22):
+            # Two references each: without a memory of what was read this takes minutes.
+            two = Held((two, two))
+        return two
+
+    assert definition(circle(2)) == definition(circle(2))
+    assert definition(enclosing(Held(circle))) == definition(enclosing(Held(circle)))
+
+
+def test_state_is_no_data():
+    generator, count = np.random.default_rng(1), itertools.count()
+    before = definition(enclosing([generator, count, threading.Event()]))
+    generator.normal(), next(count)
+
+    assert definition(enclosing([generator, count, threading.Event()])) == before
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_cannot_be_in_the_identity_is_named_once():
+    solver = PythonCallable(enclosing({"table": Held(unreadable := (n for n in ()))}))
+    with pytest.warns(UserWarning, match=messages.NOT_IN_IDENTITY.pattern) as warned:
+        solver.model()
+    solver.model()
+
+    assert [w for w in warned if "value (builtins.generator)" in str(w.message)]
+    PythonCallable(enclosing(unreadable), identity="model 2").model()
+    PythonCallable(enclosing([threading.Lock(), np, Held, Path(), object()])).model()
+
+
+def test_identities_of_earlier_versions_stay():
+    # Old runs are found by them.
+    found = [
+        definition(make(value)).model["function"]["data"][:8]
+        for make in (enclosing, by_default, Held)
+        for value in (2.0, {"a": [np.arange(3.0), None]}, object())
+    ]
+
+    assert found == [
+        *("5974a12a", "dc3615cf", "8373c3ad"),
+        *("ac22456f", "cbc77d48", "f2db7f3b"),
+        *("9f0aa26d", "e7f05635", "83eef1c7"),
+    ]
 
 
 def test_order_of_a_dict_does_not_make_another_function():

@@ -26,6 +26,10 @@ NOT_EXECUTABLE = Message("cannot be executed.", "Allow it: chmod +x {path}")
 NO_FUNCTION = Message(
     "{function!r} cannot be called.", "Give a function of the parameters by name and a seed."
 )
+NOT_IN_IDENTITY = Message(
+    "runs of {function} are reused whatever is in {left_out}, which cannot be read as data.",
+    'Give another identity when it changes: PythonCallable(..., identity="model 2").',
+)
 NO_FREE_PARAMETER = Message(
     "name {named}, which is no free parameter of the file.", "Name some of: {free}."
 )
