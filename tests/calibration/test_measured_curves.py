@@ -16,7 +16,9 @@ from typer.testing import CliRunner
 import grainfit as gf
 from benchmarks import chromium
 from benchmarks.axe import violations_in
+from grainfit.calibration import messages as of_calibration
 from grainfit.cli.app import app
+from grainfit.metamodels import messages as of_metamodels
 from grainfit.report import verdict_messages as messages
 from grainfit.report.page import write_report
 from grainfit.result import Result
@@ -299,3 +301,15 @@ def test_search_learns_curves_by_ask_and_tell() -> None:
         search.tell(proposal, press(proposal.parameters, proposal.seed))
 
     assert search.answer().parameters["modulus"] == pytest.approx(TRUTH["modulus"], rel=0.1)
+
+
+def test_a_curve_where_a_number_is_the_target_or_the_reverse_is_said_to_be_one() -> None:
+    number = gf.Problem([gf.Parameter("modulus", 1e5, 4e5)], [gf.Target("stress", 5e3)])
+    with pytest.raises(gf.RunFailedError) as caught:
+        gf.calibrate(number, lambda p, seed: press({**p, "stiffening": 0.5}, seed))
+    assert of_metamodels.IS_A_CURVE.is_in(str(caught.value), name="stress")
+
+    with pytest.raises(gf.RunFailedError) as caught:
+        gf.calibrate(problem(measured()), lambda p, _seed: {"stress": p["modulus"]})
+    assert of_metamodels.IS_A_NUMBER.is_in(str(caught.value), name="stress")
+    assert not of_calibration.RESPONSES_MISSING.is_in(str(caught.value))

@@ -36,7 +36,7 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.metamodels.blow_ups import without_blow_ups
-from grainfit.metamodels.curve_reduction import about_short_curves
+from grainfit.metamodels.curve_reduction import about_other_kind, about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.metamodels.metamodels import runs_that_yield
 from grainfit.problem import Problem
@@ -645,8 +645,9 @@ class CalibrationLoop:
         why = "; ".join(last.failures.values()) or (
             messages.RESPONSES_MISSING(found=", ".join(sorted(last.response_names)) or "nothing")
         )
-        short = [about_short_curves(curve, self._evaluations) for curve in self._problem.curves]
-        why = " ".join(filter(None, short)) or why
+        telling = [about_other_kind(self._problem, self._evaluations, name) for name in missing]
+        telling += [about_short_curves(curve, self._evaluations) for curve in self._problem.curves]
+        why = " ".join(filter(None, telling)) or why
         failed = [self._store.find(last.runs[run]) for run in last.failed_runs]
         self._campaign.forget_failures(self._evaluations)
         raise RunFailedError(

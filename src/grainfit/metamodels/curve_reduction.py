@@ -28,6 +28,7 @@ from grainfit.arrays import Array
 from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Evaluation, Response
 from grainfit.formatting import on_curve
+from grainfit.metamodels import messages
 from grainfit.problem import CurveTarget, Problem, Target, TestScope
 from grainfit.problem.target import DEFAULT_RELATIVE_TOLERANCE
 
@@ -330,6 +331,15 @@ def runs_with_curve(target: CurveTarget, evaluations: Sequence[Evaluation]) -> l
 def simulated_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -> list[Array]:
     """Return the curves of `runs_with_curve` at the measured coordinates, shape (n,) each."""
     return [values for e in evaluations if (values := _values(target, e)) is not None]
+
+
+def about_other_kind(problem: Problem, evaluations: Sequence[Evaluation], name: str) -> str:
+    """Say that a response is a curve where its target is a number, or the reverse; else ""."""
+    if name in {curve.name for curve in problem.curves}:
+        is_other, message = any(name in e.responses for e in evaluations), messages.IS_A_NUMBER
+    else:
+        is_other, message = any(name in e.curves for e in evaluations), messages.IS_A_CURVE
+    return message(name=name) if is_other else ""
 
 
 def about_short_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -> str:

@@ -23,6 +23,16 @@ BLOWN_UP_RUNS = Message(
     "{name}: {runs} of {count} gave up to {largest}, which is no physical answer: they count as "
     "failed."
 )
+IS_A_CURVE = Message(
+    "{name} is a curve, and its target is a number.",
+    'Give a measured curve as its target (curve = "FILE" in a calibration file), or let the model '
+    "return a number.",
+)
+IS_A_NUMBER = Message(
+    "{name} is a number, and its target is a curve.",
+    "Give a value as its target, or let the model return a curve: "
+    '{{"coordinates": [...], "values": [...]}}.',
+)
 FEW_RESPONSES = Message("only {known} of {runs} gave the response {name!r}, at {places}")
 FEW_PLACES = Message("{runs} gave the response {name!r}, at only {places}")
 NO_METAMODEL = Message("{few}, and {needed} are needed for its metamodel.{because}")

@@ -17,7 +17,12 @@ from grainfit.evaluation import Evaluation, Response
 from grainfit.formatting import counted
 from grainfit.metamodels import messages
 from grainfit.metamodels.blow_ups import without_blow_ups
-from grainfit.metamodels.curve_reduction import Reduction, about_short_curves, runs_with_curve
+from grainfit.metamodels.curve_reduction import (
+    Reduction,
+    about_other_kind,
+    about_short_curves,
+    runs_with_curve,
+)
 from grainfit.metamodels.kriging import Kriging
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers, fit_without_outliers
 from grainfit.one_line import OneLine
@@ -542,7 +547,8 @@ def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str
     because = f" {messages.FAILURES(reasons=reasons)}" if failures else ""
     short = [about_short_curves(c, evaluations) for c in problem.curves if c.name == name]
     why = messages.NO_METAMODEL(few=few, needed=needed, because=because)
-    raise RunFailedError(" ".join([why, *filter(None, short)]))
+    kind = about_other_kind(problem, evaluations, name)
+    raise RunFailedError(" ".join(filter(None, [why, kind, *short])))
 
 
 def _fit(
