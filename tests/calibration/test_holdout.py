@@ -361,7 +361,9 @@ def test_the_command_predicts_later_for_folder_card_and_values(
     [found] = card["holdouts"]
     assert found["basis"] == "intervals"
     assert found["responses"]["flow"]["verdict"] == "predicts"
-    Path("values.toml").write_text(f"[parameters]\nfriction = {FRICTION}\n")
+    # Also with a byte order mark, as some editors write it.
+    values = f"[parameters]\nfriction = {FRICTION}\n"
+    Path("values.toml").write_text(values, encoding="utf-8-sig")
     path.write_text(FILE + HELD.partition("targets")[0])
     exact = gf.predict(path, answer_of="values.toml")["drum"]
     assert exact.basis == "values"

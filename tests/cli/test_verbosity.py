@@ -177,6 +177,8 @@ def test_bash_completes_commands_runs_parameters_and_materials(sand: Path) -> No
     assert completed(f"grainfit runs show sand.grainfit {runs[0][:4]}", sand) == [runs[0]]
     assert completed("grainfit runs show nowhere ", sand) == []
     assert completed("grainfit simulate sand.toml --set fr", sand) == ["friction="]
+    (sand / "marked.toml").write_text(FILE, encoding="utf-8-sig")
+    assert completed("grainfit simulate marked.toml --set fr", sand) == ["friction="]
     assert completed("grainfit new x.toml --material pl", sand) == ["plastic_pellets"]
 
 

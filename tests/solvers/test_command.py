@@ -14,6 +14,7 @@ import pytest
 
 from grainfit.errors import InputError, RunFailedError, SolverNotFoundError
 from grainfit.evaluation import Response
+from grainfit.evaluation.messages import UNKNOWN_KEY
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.own_model import messages
 from grainfit.solvers.own_model.command import Command
@@ -353,6 +354,8 @@ def test_model_that_is_changed_while_the_calibration_runs_is_noticed(tmp_path):
         ('{"a": {"value": 1.0, "standard_error": -1}}', "standard error"),
         ('{"a": {"value": 1.0, "standard_error": NaN}}', "standard error of .* is nan"),
         ('{"a": {"mean": 1.0}}', "A response is a number"),
+        ('{"a": {"value": 1.0, "std": 0.1}}', UNKNOWN_KEY.matching(name="a", key="'std'")),
+        ('{"a": {"coordinates": [0, 1], "value": [0, 1]}}', UNKNOWN_KEY.pattern),
     ],
 )
 def test_unusable_responses_are_a_failed_evaluation(tmp_path, written, said):
@@ -369,6 +372,14 @@ def test_unusable_responses_are_a_failed_evaluation(tmp_path, written, said):
 
     assert caught.value.kind == "evaluation"
     assert "the last words" in caught.value.log_tail
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_responses_with_a_byte_order_mark(tmp_path, encoding):
+    code = f"open('responses.json', 'w', encoding={encoding!r}).write('{{\"a\": 1.5}}')"
+    solver = Command(model_folder(tmp_path, x=""), ["python3", "-c", code], response_names=("a",))
+
+    assert run(solver, tmp_path) == {"a": Response(1.5)}
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,7 @@ def complete_setting(incomplete: str) -> list[str]:
     files = map(Path, words.split())
     file = next((path for path in files if path.suffix == ".toml" and path.is_file()), None)
     try:
-        document = tomllib.loads(file.read_text(encoding="utf-8")) if file else {}
+        document = tomllib.loads(file.read_text(encoding="utf-8-sig")) if file else {}
     except (OSError, ValueError):
         return []
     return [f"{name}=" for name in _parameters(document) if name.startswith(incomplete)]

@@ -17,6 +17,9 @@ _RESPONSE_FORMS = (
     "A response is a number, a pair of value and standard error, "
     '{"value": ..., "standard_error": ...}, or a curve: {"coordinates": [...], "values": [...]}.'
 )
+#: Keys of a response that is a number, and of one that is a curve.
+_NUMBER_KEYS = ("value", "standard_error")
+_CURVE_KEYS = ("coordinates", "values", "stays")
 
 
 def finite_parameters(parameters: Mapping[str, float]) -> dict[str, float]:
@@ -97,6 +100,7 @@ def _response(name: str, found: Any, origin: str) -> Measured:
     if isinstance(found, Curve):
         return found
     if isinstance(found, Mapping) and "coordinates" in found:
+        _require_known(name, found, _CURVE_KEYS, origin)
         return _curve(name, found, origin)
     value, standard_error = _value_and_error(name, found, origin)
     for number, words in ((value, ""), (standard_error, "standard error of ")):
@@ -119,12 +123,21 @@ def _value_and_error(name: str, found: Any, origin: str) -> tuple[Any, Any]:
     if isinstance(found, Response):
         return found.value, found.standard_error
     if isinstance(found, Mapping) and "value" in found:
+        _require_known(name, found, _NUMBER_KEYS, origin)
         return found["value"], found.get("standard_error", 0.0)
     if isinstance(found, (tuple, list)) and len(found) == 2:
         return found[0], found[1]
     if isinstance(found, Real):
         return found, 0.0
     raise _unusable(f"response {name} from {origin} is {_short(found)}. {_RESPONSE_FORMS}")
+
+
+def _require_known(name: str, found: Mapping[Any, Any], known: Sequence[str], origin: str) -> None:
+    """Raise `RunFailedError` for a key that would be left out, such as ``"std"``."""
+    for key in found:
+        if key not in known:
+            named = {"name": name, "origin": origin, "key": _short(key), "known": ", ".join(known)}
+            raise _unusable(messages.UNKNOWN_KEY(**named))
 
 
 def _short(found: Any) -> str:

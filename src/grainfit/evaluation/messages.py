@@ -13,4 +13,7 @@ NO_RESPONSE = Message(
 NOT_FINITE = Message("are not finite numbers.", "Give at least two.")
 UNEQUAL_NUMBERS = Message("are {count}, and there are {values} values.", "Give one for each value.")
 NOT_INCREASING = Message("do not increase.", "Sort the points.")
+UNKNOWN_KEY = Message(
+    "response {name} from {origin} has the key {key}, which is unknown.", "There are: {known}."
+)
 PARAMETER_NOT_FINITE = Message("is {given!r}, not a finite number.", "Give a finite number.")

@@ -159,7 +159,8 @@ def _of_card(setup: CalibrationSetup, content: Any, path: Path) -> _Values:
 def _read(path: Path) -> Any:
     try:
         data = read_within(path, LARGEST_RESULT)
-        return tomllib.loads(data.decode()) if path.suffix == ".toml" else parse_json(data)
+        is_toml = path.suffix == ".toml"
+        return tomllib.loads(data.decode("utf-8-sig")) if is_toml else parse_json(data)
     except (OSError, ValueError, RecursionError) as error:
         why = getattr(error, "strerror", None) or error
         fault = messages.MATERIAL_UNREADABLE.fault("", path=str(path), why=why)

@@ -128,7 +128,8 @@ def responses_in(
     """
     tail = log_tail(file.parent / LOG_NAME)
     try:
-        found = loads(read_within(file, LARGEST_RESPONSES).decode("utf-8"))
+        # Of bytes it knows the encoding: UTF-8 or UTF-16, with a byte order mark or without.
+        found = loads(read_within(file, LARGEST_RESPONSES))
         there = found if isinstance(found, Mapping) else ()
         wanted = None if expected is None else [name for name in expected if name in there]
         return read_responses(found, wanted, origin)
