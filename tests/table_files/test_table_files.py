@@ -54,6 +54,58 @@ def numbers_of(tmp_path: Path) -> Callable[..., Numbers]:
 
 
 @pytest.mark.parametrize(
+    ("first", "separator"),
+    [("sep=;", ";"), ("SEP=,", ","), ('"sep=;";', ";"), ("sep=|", "|"), ("\nsep=\t", "\t")],
+)
+def test_a_first_line_names_the_separator(numbers_of, first, separator):
+    rows = [("u; v", "f"), ("1.5", "2"), ("x", "3")]
+    text = "\r\n".join([first, *(separator.join(f'"{cell}"' for cell in row) for row in rows)])
+
+    with pytest.raises(InputError) as caught:
+        numbers_of(text)
+    [fault] = caught.value.faults
+    assert fault.key == f"line {3 + first.count(chr(10)) + 1}, column u; v"
+    assert numbers_of(text.replace("x", "4")) == [[1.5, 2.0], [4.0, 3.0]]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "u;f\nmm;kN\n1500;0,002\n",
+        "u [mm];f\nmm;[kN]\n1500;0,002\n",
+        "u\tf (kN)\n(mm)\t\n1500\t0.002\n",
+        "u f remark\nmm kN -\n1500 0.002 a\n",
+    ],
+)
+def test_a_row_of_units_below_the_headings(tmp_path, text):
+    path = tmp_path / "table.csv"
+    path.write_text(text)
+    table, faults = read_table(path), TableFaults()
+    wanted = {at: Wanted(Quantity(unit), needs_unit=True) for at, unit in enumerate(("m", "N"))}
+    reading = Reading(table, wanted, faults)
+
+    assert [reading.number(row, at) for row in reading.rows() for at in wanted] == [1.5, 2.0]
+    assert not faults.found
+    assert "u [mm], f [kN]" in reading.describe()
+
+
+@pytest.mark.parametrize("text", ["u;f\nmm;force\n1;2\n", "u [m];f\nmm;N\n1;2\n"])
+def test_units_below_headings_among_other_cells_are_named(numbers_of, text):
+    with pytest.raises(InputError) as caught:
+        numbers_of(text)
+
+    assert messages.UNIT_BELOW_HEADING.is_in(str(caught.value), name="u", unit="mm")
+
+
+def test_a_point_beside_a_decimal_comma_may_separate_thousands(numbers_of):
+    with pytest.raises(InputError) as caught:
+        numbers_of("u;f\n1.000;2,1\n2.000;3,1\n")
+
+    expected = messages.THOUSANDS_OR_DECIMAL
+    assert expected.is_in(str(caught.value), whole="1000", decimal="1,000")
+
+
+@pytest.mark.parametrize(
     "text",
     [
         "u,f\n1.5,-20\n2,0.25\n",

@@ -12,6 +12,8 @@ from grainfit.formatting import from_spreadsheet_text
 
 #: Separators in the order of preference. A blank stands for any number of blanks.
 SEPARATORS = (",", ";", "\t", " ")
+#: A first line that names the separator, as Excel reads and writes it.
+_STATED = re.compile(r'\s*"?sep=(?P<separator>[,;\t|])"?[,;\t| ]*(?=[\r\n]|$)', re.IGNORECASE)
 _LINE_END = re.compile(r"\r\n|\r|\n")
 #: A word, a unit in brackets or behind a slash included, or a quoted text.
 _WORD = re.compile(
@@ -58,7 +60,8 @@ def is_numeric(text: str) -> bool:
 def split_table(text: str) -> Dialect:
     """Split a text into rows of cells, without blank lines and comments.
 
-    The separator is the one that gives all rows the same number of cells. Lines that begin with
+    The separator is the one that a first line names, as in ``sep=;``, or else the one that gives
+    all rows the same number of cells. Lines that begin with
     ``#`` are comments; the last one above the numbers is the header if it has a name for each
     column, as in ``# u f``.
 
@@ -67,7 +70,13 @@ def split_table(text: str) -> Dialect:
     NotCsvError
         Quotes that are not closed.
     """
+    stated = _STATED.match(text)
+    if stated is not None:
+        lines = "\n" * len(_LINE_END.findall(stated.group()))
+        text, separator = lines + text[stated.end() :], stated["separator"]
     text, comment = _without_comments(text)
+    if stated is not None:
+        return Dialect(separator, _with_header(_split(text, separator), comment, separator))
     found: list[tuple[tuple[float, ...], Dialect]] = []
     error: NotCsvError | None = None
     for separator in SEPARATORS:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grainfit.options.places import show
 from grainfit.units import is_unit
@@ -17,6 +17,8 @@ _PERHAPS = (
     re.compile(r"(?P<name>.*?\S)\s*\(\s*(?P<unit>[^()]+?)\s*\)"),
     re.compile(r"(?P<name>.*?\S)\s+/\s*(?P<unit>\S+)|(?P<other>.*?\S)/\s+(?P<its_unit>\S+)"),
 )
+#: A unit in brackets.
+_BRACKETS = re.compile(r"^[\[(]\s*(.*?)\s*[\])]$")
 _LONGEST_SHOWN = 60
 
 
@@ -78,6 +80,29 @@ def heading(position: int, text: str) -> Heading:
         if is_unit(unit) or unit in WITHOUT_UNIT:
             return Heading(position, text, name, unit)
     return Heading(position, text, text)
+
+
+def with_units(headings: Sequence[Heading], cells: Sequence[str]) -> tuple[Heading, ...] | None:
+    """Return headings with the units that a row below them has; None if it is no row of units.
+
+    In a row of units each cell is empty, a unit, or a sign for no unit; below a heading that states
+    its unit it is that one or empty.
+
+    Examples
+    --------
+    >>> found = with_units([heading(0, "stress"), heading(1, "strain [%]")], ["[kPa]", ""])
+    >>> [one.unit for one in found or ()]
+    ['kPa', '%']
+    """
+    units = [_BRACKETS.sub(r"\1", cell) for cell in cells]
+    if len(units) != len(headings) or not any(map(is_unit, filter(None, units))):
+        return None
+    if not all(unit in WITHOUT_UNIT or is_unit(unit) for unit in units):
+        return None
+    pairs = list(zip(headings, units, strict=True))
+    if any(one.unit is not None and unit not in ("", one.unit) for one, unit in pairs):
+        return None
+    return tuple(replace(one, unit=one.unit or unit or None) for one, unit in pairs)
 
 
 def named(headings: Sequence[Heading], name: str) -> list[Heading]:

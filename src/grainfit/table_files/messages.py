@@ -40,6 +40,10 @@ TOO_SHORT = Message(
 )
 NO_VALUE = Message("has no value.", "Complete the row, or leave it out.")
 NOT_A_NUMBER = Message("is {shown}, not a number.", "{remedy}")
+UNIT_BELOW_HEADING = Message(
+    "is {unit}, a unit, and not all cells of this row are units.",
+    'Write the unit into the heading, "{name} [{unit}]", and leave this row out.',
+)
 USE_A_POINT = Message("Use a decimal point.")
 USE_A_COMMA = Message("Use a decimal comma, as in the other rows, and no separator of thousands.")
 THOUSANDS_OR_DECIMAL = Message(

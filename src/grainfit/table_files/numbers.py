@@ -20,7 +20,8 @@ _MARKS = (".", ",")
 def decimal_mark(cells: Iterable[str]) -> str:
     """Return the decimal mark of numbers: a point, a comma, or "" where none has one.
 
-    A number such as ``1,234`` does not tell: its comma may separate thousands.
+    A number such as ``1,234`` does not tell: its comma may separate thousands, as may the point of
+    ``1.234`` where other numbers have a comma.
 
     Examples
     --------
@@ -34,7 +35,7 @@ def decimal_mark(cells: Iterable[str]) -> str:
     for cell in cells:
         if "," in cell:
             count[","] += bool(_WITH_COMMA.fullmatch(cell) and not _GROUPS[","].fullmatch(cell))
-        elif "." in cell:
+        elif "." in cell and not _GROUPS["."].fullmatch(cell):
             count["."] += math.isfinite(_plain(cell))
     if not any(count.values()):
         return ""

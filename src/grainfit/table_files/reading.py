@@ -16,7 +16,7 @@ from grainfit.table_files.dialects import Row, is_numeric
 from grainfit.table_files.headings import WITHOUT_UNIT, Heading, named
 from grainfit.table_files.numbers import decimal_mark, parse_number
 from grainfit.table_files.table import Table
-from grainfit.units import UnitError, to_unit
+from grainfit.units import UnitError, is_unit, to_unit
 
 MOST_FAULTS = 20
 _MOST_NAMED = 10
@@ -258,6 +258,10 @@ class Reading:
             return None
         found = parse_number(text, self.mark, where)
         if isinstance(found, Fault):
+            is_below_headings = row is self.table.rows[0] and not row.has_number
+            if is_below_headings and is_unit(text):
+                name = self.table.headings[position].name
+                found = messages.UNIT_BELOW_HEADING.fault(where, name=name, unit=text)
             self.faults.note(found)
             return None
         return self._checked(found, where, wanted, self.units[position])

@@ -11,7 +11,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.files import LARGEST_TABLE, line_of, read_within
 from grainfit.table_files import messages
 from grainfit.table_files.dialects import NotCsvError, Row, split_table
-from grainfit.table_files.headings import Heading, heading
+from grainfit.table_files.headings import Heading, heading, with_units
 
 _SHOWN = {"\t": "tab", " ": "blanks"}
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
@@ -93,7 +93,10 @@ def read_table(
     if not has_header:
         return Table(path, dialect.separator, rows[0].line, (), rows)
     headings = tuple(heading(position, text) for position, text in enumerate(rows[0].cells))
-    return Table(path, dialect.separator, rows[0].line, headings, rows[1:])
+    rows, line = rows[1:], rows[0].line
+    if rows and not rows[0].has_number and (found := with_units(headings, rows[0].cells)):
+        headings, rows = found, rows[1:]
+    return Table(path, dialect.separator, line, headings, rows)
 
 
 def _text(path: Path, largest: int) -> str:
