@@ -201,7 +201,7 @@ def test_a_curve_that_no_run_gives_is_said() -> None:
     [found] = result.holdouts
     assert result.status == "calibrated"
     assert found.state == "failed"
-    assert "only 0 to 0.05" in found.why
+    assert "shortest is 0 to 0.05" in found.why
     solver = gf.solvers.PythonCallable(heap, ["angle"])
     with pytest.raises(gf.InputError) as refused:
         gf.calibrate(problem, heap, holdouts=[gf.Holdout("press", solver, curves=[far])])

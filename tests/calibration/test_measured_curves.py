@@ -244,12 +244,12 @@ def test_curve_beyond_the_simulated_ones_says_what_they_hold(tmp_path: Path) -> 
     strains = np.linspace(0.002, 0.08, 10)
     curve = gf.CurveTarget("stress", strains.tolist(), stress(TRUTH, strains).tolist(), "2 %")
 
-    with pytest.raises(gf.RunFailedError, match=r"only 0 to 0\.05, and the measured one"):
+    with pytest.raises(gf.RunFailedError, match=r"shortest is 0 to 0\.05, and"):
         calibrated(curve, workdir=tmp_path)
     page = write_report(tmp_path).read_text()
     names = [trace.name for trace in gf.plots.curves(gf.open(tmp_path)).data]
     assert messages.STOPPED() in page
-    assert "only 0 to 0.05, and the measured one" in page
+    assert "shortest is 0 to 0.05, and" in page
     assert names == ["other runs", "measured, with 95 % intervals"]
 
 

@@ -274,3 +274,15 @@ def test_runs_without_scatter_that_are_all_but_equal_have_a_metamodel() -> None:
     mean, _ = Component(exact, Trend(()), points, values, np.zeros(6)).predict(np.array([[0.5]]))
 
     assert mean == pytest.approx([2.0], abs=1e-3)
+
+
+def test_the_shortest_of_curves_that_end_too_early_is_named_with_the_unit() -> None:
+    measured = CurveTarget("mass", [3.0, 4.0], [1.0, 2.0], 0.1, coordinate_unit="s")
+    curves = [Curve(times, [1.0, 2.0]) for times in ([0.0, 3.5], [0.0, 1.0], [5.0, 6.0])]
+    proposal = Proposal({}, 1, "design")
+    said = about_short_curves(
+        measured, [Evaluation(proposal, {}, curves={"mass": c}) for c in curves]
+    )
+
+    assert "0 to 1 s," in said
+    assert "3 to 4 s." in said

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from grainfit.errors import InputError
-from grainfit.problem import CurveTarget
+from grainfit.problem import CurveTarget, messages
 
 PLACES = np.linspace(0.01, 0.2, 20)
 TRUE = 1000 * PLACES * (1 + 3 * PLACES)
@@ -71,7 +71,7 @@ def test_systematic_part_of_repeated_curves_adds_to_the_common_one() -> None:
         ([(PLACES, TRUE)], "fewer than two curves"),
         (None, "fewer than two curves"),
         ([(PLACES, TRUE), (PLACES, TRUE)], "are all the same"),
-        ([(PLACES, TRUE), (PLACES + 1, TRUE)], "fewer than two points"),
+        ([(PLACES, TRUE), (PLACES[-1] + PLACES - 0.01, TRUE)], "fewer than two points"),
         ([(PLACES, TRUE), (PLACES[::-1], TRUE)], "no curve"),
         ([(PLACES, TRUE), (PLACES, TRUE[:3])], "no curve"),
         ([(PLACES, TRUE), "ab"], "no curve"),
@@ -81,3 +81,13 @@ def test_systematic_part_of_repeated_curves_adds_to_the_common_one() -> None:
 def test_repeats_that_are_none_are_refused(curves: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
         CurveTarget.of_measurements("stress", curves)  # type: ignore[arg-type]
+
+
+def test_curves_that_do_not_overlap_are_named_with_their_ranges() -> None:
+    presses = [([2600.0, 3000.0], [2.1, 3.6]), ([500.0, 2000.0], [1.2, 2.5]), ([1e3, 9e3], [1, 9])]
+    with pytest.raises(InputError) as caught:
+        CurveTarget.of_measurements("strain", presses, coordinate_unit="Pa")
+
+    expected: dict[str, object] = {"high": 1, "high_range": "2.6 kPa to 3 kPa", "low": 2}
+    expected["low_range"] = "500 Pa to 2 kPa"
+    assert messages.NO_OVERLAP.is_in(str(caught.value), **expected)

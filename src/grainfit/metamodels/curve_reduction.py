@@ -27,7 +27,7 @@ from typing_extensions import override
 from grainfit.arrays import Array
 from grainfit.errors import Fault
 from grainfit.evaluation import Curve, Evaluation, Response
-from grainfit.formatting import on_curve
+from grainfit.formatting import on_curve, unit_for_people, with_unit
 from grainfit.metamodels import messages
 from grainfit.problem import CurveTarget, Problem, Target, TestScope
 from grainfit.problem.target import DEFAULT_RELATIVE_TOLERANCE
@@ -348,13 +348,16 @@ def about_short_curves(target: CurveTarget, evaluations: Sequence[Evaluation]) -
     short = [curve for curve in found if values_at(curve, target.coordinates) is None]
     if not short:
         return ""
-    low = max(curve.coordinates[0] for curve in short)
-    high = min(curve.coordinates[-1] for curve in short)
+    start, end = target.coordinates[0], target.coordinates[-1]
+    least = min(short, key=lambda c: min(c.coordinates[-1], end) - max(c.coordinates[0], start))
+    ranges = [
+        f"{on[0]:.4g} to {with_unit(f'{on[-1]:.4g}', unit_for_people(target.coordinate_unit))}"
+        for on in (least.coordinates, target.coordinates)
+    ]
     return (
         f"{len(short)} of {len(found)} simulated curves of {target.name} do not hold all measured "
-        f"points: some only {low:.4g} to {high:.4g}, and the measured one is "
-        f"{target.coordinates[0]:.4g} to {target.coordinates[-1]:.4g}. Leave out what the test "
-        "does not reach, or change its options."
+        f"points: the shortest is {ranges[0]}, and the measured one is {ranges[1]}. Leave out what "
+        "the test does not reach, or change its options."
     )
 
 

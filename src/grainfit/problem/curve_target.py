@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from grainfit.arrays import Array
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import in_usual_unit
 from grainfit.messages import Message
 from grainfit.problem import messages
 from grainfit.problem.correlations import symmetric_matrix
@@ -165,7 +166,7 @@ class CurveTarget:
         >>> CurveTarget.of_measurements("stress", presses, systematic="2 %").values
         (10.5, 20.5, 31.0)
         """
-        repeats = RepeatedCurves.of(name, curves)
+        repeats = RepeatedCurves.of(name, curves, options.get("coordinate_unit", ""))
         points = repeats.coordinates.tolist(), repeats.mean.tolist(), repeats.independent.tolist()
         instrument = cls(name, *points, systematic, **options)
         shared = instrument._deviations("systematic", repeats.mean)
@@ -329,8 +330,12 @@ class RepeatedCurves:
     values: Array
 
     @classmethod
-    def of(cls, name: str, curves: Iterable[tuple[ArrayLike, ArrayLike]]) -> RepeatedCurves:
+    def of(
+        cls, name: str, curves: Iterable[tuple[ArrayLike, ArrayLike]], unit: str = ""
+    ) -> RepeatedCurves:
         """Interpolate curves at those coordinates of the first one that all of them span.
+
+        The unit is that of the coordinates, for messages.
 
         Raises
         ------
@@ -342,10 +347,7 @@ class RepeatedCurves:
         read = [_pair(key, curve) for curve in curves] if isinstance(curves, Iterable) else []
         if len(read) < 2:
             raise InputError(messages.FEW_CURVES.fault(key))
-        first, last = max(x[0] for x, _ in read), min(x[-1] for x, _ in read)
-        at = read[0][0][(read[0][0] >= first) & (read[0][0] <= last)]
-        if len(at) < 2:
-            raise InputError(messages.NO_COMMON_RANGE.fault(key, first=first, last=last))
+        at = _common(key, [x for x, _ in read], unit)
         values = np.array([np.interp(at, x, y) for x, y in read])
         if np.ptp(values, axis=0).max() == 0:
             raise InputError(messages.EQUAL_CURVES.fault(key))
@@ -391,6 +393,25 @@ class RepeatedCurves:
         of_means = float((scaled.mean(axis=1) ** 2).sum()) / (count - 1) / total
         share = (points * of_means - 1) / (points - 1)
         return float(min(max(share, 0.0), _MOST_COMMON))
+
+
+def _common(key: str, axes: Sequence[Array], unit: str) -> Array:
+    """Return those coordinates of the first curve that all of them span; refuse fewer than two."""
+    high = max(range(len(axes)), key=lambda at: axes[at][0])
+    low = min(range(len(axes)), key=lambda at: axes[at][-1])
+    first, last = axes[high][0], axes[low][-1]
+    if first > last:
+        ends = [_range(axes[at][0], axes[at][-1], unit) for at in (low, high)]
+        named = {"low": low + 1, "low_range": ends[0], "high": high + 1, "high_range": ends[1]}
+        raise InputError(messages.NO_OVERLAP.fault(key, **named))
+    at = axes[0][(axes[0] >= first) & (axes[0] <= last)]
+    if len(at) < 2:
+        raise InputError(messages.NO_COMMON_RANGE.fault(key, span=_range(first, last, unit)))
+    return np.asarray(at)
+
+
+def _range(first: float, last: float, unit: str) -> str:
+    return f"{in_usual_unit(float(first), unit)} to {in_usual_unit(float(last), unit)}"
 
 
 def _pair(key: str, curve: Any) -> tuple[Array, Array]:

@@ -51,8 +51,12 @@ EQUAL_CURVES = Message(
     "Give the curves of different tests, or a single one with its uncertainty.",
 )
 NO_COMMON_RANGE = Message(
-    "share fewer than two points of the first one: all of them span {first:g} to {last:g} only.",
+    "share fewer than two points of the first one: all of them span {span} only.",
     "Give curves over the same coordinates.",
+)
+NO_OVERLAP = Message(
+    "do not overlap: curve {high} is over {high_range}, and curve {low} over {low_range}.",
+    "Give curves over the same coordinates, and check their units.",
 )
 NO_PAIR = Message(
     "have one that is no curve.",
