@@ -392,3 +392,29 @@ def test_a_test_that_depends_on_nothing_free_is_refused_by_check_and_run(tmp_pat
     assert re.search(f"drop: {messages.IDLE_TEST.pattern}", describe_plan(setup).problems[0])
     with pytest.raises(InputError, match=f"drop: {messages.IDLE_TEST.pattern}"):
         setup.calibrate(tmp_path / "work")
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_two_tests_of_one_parameter_are_both_run_until_their_scatter_is_known(
+    seed: int, tmp_path: Path
+) -> None:
+    def density(slope: float, base: float) -> PythonCallable:
+        def simulate(parameters: dict[str, float], seed: int) -> dict[str, float]:
+            noise = np.random.default_rng([seed, int(base)]).standard_normal()
+            return {"density": base + slope * parameters["x"] + 8 * noise}
+
+        return PythonCallable(simulate)
+
+    wanted = {"loose": 1215.0, "tapped": 1204.0}
+    targets = [gf.Target(f"{n}.density", v, uncertainty=0.01 * v) for n, v in wanted.items()]
+    result = gf.calibrate(
+        gf.Problem([gf.Parameter("x", 0.0, 1.0)], targets),
+        {"loose": density(700.0, 900.0), "tapped": density(720.0, 880.0)},
+        workdir=tmp_path,
+        workers=1,
+        seed=seed,
+    )
+
+    assert result.status == "calibrated"
+    assert result.runs.total < 25
+    assert result.parameters["x"] == pytest.approx(0.45, abs=0.03)

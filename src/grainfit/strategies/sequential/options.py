@@ -25,7 +25,7 @@ class SequentialOptions(Strategy):
     design_runs: int | None = option(
         Whole(2),
         "Runs of the initial Latin hypercube.",
-        default_text="d + 2 for d free parameters, 5 for two, 4 for one",
+        default_text="d + 2 for d free parameters, at least 5; 4 for one parameter and one test",
         example="12",
     )
     prefer: Preference = option(

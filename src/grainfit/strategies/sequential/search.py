@@ -50,7 +50,7 @@ from grainfit.strategies.sequential.stopping_rule import StoppingRule
 from grainfit.strategies.sequential.variance_reduction import most_narrowing_run
 from grainfit.verdict.options import VERDICT
 
-#: Fewest runs of the design with two parameters or more.
+#: Fewest runs of the design with two parameters or tests, or more.
 _SMALL_DESIGN = 5
 #: Most runs after the design per free parameter, if the user gives no budget.
 RUNS_PER_PARAMETER = 20
@@ -70,13 +70,15 @@ _MOST_WIDENINGS = 4
 _RUNS_OF_EXPECTED = 5
 
 
-def usual_design(dimension: int) -> int:
-    """Return the usual number of runs of the design for some free parameters.
+def usual_design(dimension: int, tests: int = 1) -> int:
+    """Return the usual number of runs of the design for some free parameters and tests.
 
     One more than a linear trend has coefficients; what else is needed, the search finds sooner than
-    a design. With one or two parameters, two more.
+    a design. With one or two parameters, two more; with one and several tests three: four runs do
+    not tell a trend from scatter, and a test whose scatter seems hopeless gets no fifth one.
     """
-    return max(dimension + 2, min(dimension + 3, _SMALL_DESIGN))
+    fewest = _SMALL_DESIGN if tests > 1 else min(dimension + 3, _SMALL_DESIGN)
+    return max(dimension + 2, fewest)
 
 
 class SequentialSearch(Search):
@@ -111,13 +113,14 @@ class SequentialSearch(Search):
     ) -> None:
         super().__init__(strategy, problem, seed, max_evaluations)
         self._options = strategy
-        usual = usual_design(problem.dimension)
+        tests = len(problem.scopes)
+        usual = usual_design(problem.dimension, tests)
         self._design_size = design_size(
             problem.dimension, strategy.design_runs, usual, max_evaluations
         )
         self._design_sizes = {
             scope.name: strategy.design_runs
-            or min(self._design_size, usual_design(len(scope.parameters)))
+            or min(self._design_size, usual_design(len(scope.parameters), tests))
             for scope in problem.scopes
         }
         for relative in problem.relatives:

@@ -19,7 +19,8 @@ class Sequential(SequentialOptions):
     Parameters
     ----------
     design_runs : int, optional
-        Size of the Latin hypercube; by default d + 2, 5 for two parameters, 4 for one.
+        Size of the Latin hypercube; by default d + 2, at least 5; 4 for one parameter and one
+        test.
     prefer : {"time_step", "accuracy"}
         Of all parameter sets that agree with the measurements, take the one with the largest
         Rayleigh time step, or the closest one.
