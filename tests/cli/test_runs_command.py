@@ -234,6 +234,13 @@ def test_conditions_select_runs_in_any_unit(conditions: list[str], numbers: list
     ]
 
 
+def test_runs_of_a_smaller_apparatus_are_not_those_of_the_test() -> None:
+    real, other = {"type": "heap"}, {"type": "heap", "particle_count": 500}
+    smaller = RunDefinition({"test": other}, {}, 2)
+    runs = run_columns([record(1), record(2, definition=smaller)], laboratory={"drum": real})
+    assert runs.values["test"] == ["drum", "drum (smaller)"]
+
+
 def test_all_faults_of_the_conditions_are_named_at_once() -> None:
     runs = run_columns([record(1), failed(2)])
     where = [

@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from grainfit.calibration.provenance import Provenance
 from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.records import RunRecord
 from grainfit.campaign.store.store import RunStore
@@ -33,6 +34,8 @@ COMMON_COLUMNS = (
 )
 #: Status of a run whose process has died.
 INTERRUPTED = "interrupted"
+#: Behind the test of a run in a smaller apparatus than the laboratory's.
+_SMALLER = " (smaller)"
 _NAMED_RUNS = 5
 #: Seeds beyond these are no whole numbers of a table.
 _SEED_LIMIT = 2**63
@@ -91,7 +94,11 @@ def none_running(source: str) -> bool:
     return "://" not in source and not is_held(Path(source))
 
 
-def run_columns(records: Iterable[RunRecord], none_is_running: bool = False) -> RunColumns:
+def run_columns(
+    records: Iterable[RunRecord],
+    none_is_running: bool = False,
+    laboratory: Mapping[str, Any] | None = None,
+) -> RunColumns:
     """Return runs as columns, in order.
 
     Parameters
@@ -100,6 +107,9 @@ def run_columns(records: Iterable[RunRecord], none_is_running: bool = False) -> 
         The runs.
     none_is_running : bool
         Whether those that are stored as running were interrupted.
+    laboratory : mapping of str to mapping, optional
+        Definitions of the tests of which a smaller apparatus was simulated, too: the test of such a
+        run is called so, because its responses are others.
     """
     records = list(records)
     inputs = [record.definition.parameters for record in records]
@@ -108,6 +118,7 @@ def run_columns(records: Iterable[RunRecord], none_is_running: bool = False) -> 
     numbers = [scalars(record.responses) for record in records]
     responses = {name: _free(name, "response", taken) for name in _distinct(numbers)}
     values = _common_columns(records)
+    values["test"] = [_test_of(record, laboratory or {}) for record in records]
     if none_is_running:
         values["status"] = [INTERRUPTED if s == "running" else s for s in values["status"]]
     for name, column in parameters.items():
@@ -144,6 +155,13 @@ def find_run(store: RunStore, identity: str) -> RunRecord:
     )
 
 
+def laboratory_of(store: RunStore) -> Mapping[str, Any]:
+    """Return the definitions of tests of which the latest calibration simulates a smaller one."""
+    latest = store.latest_calibration()
+    about = {} if latest is None else latest.about
+    return Provenance.from_json(about.get("provenance", {})).laboratory
+
+
 def _common_columns(records: Sequence[RunRecord]) -> dict[str, list[Any]]:
     own = ("identity", "test", "status", "kind", "reason", "origin")
     models = [record.definition.model for record in records]
@@ -154,6 +172,12 @@ def _common_columns(records: Sequence[RunRecord]) -> dict[str, list[Any]]:
         "seconds": [_number(record.seconds) for record in records],
         "ended": [_moment(record.ended) for record in records],
     }
+
+
+def _test_of(record: RunRecord, laboratory: Mapping[str, Any]) -> str:
+    real = laboratory.get(record.test)
+    is_smaller = real is not None and record.definition.model.get("test") != real
+    return f"{_text(record.test)}{_SMALLER}" if is_smaller else _text(record.test)
 
 
 def _number(value: float | None) -> float | None:

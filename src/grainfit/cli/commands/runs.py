@@ -188,24 +188,25 @@ def _selected(
 ) -> tuple[RunColumns, RunColumns]:
     """Return all runs, and those selected, in order."""
     from grainfit.campaign.store.source import open_source
-    from grainfit.work_folder.run_columns import none_running, run_columns
+    from grainfit.work_folder.run_columns import laboratory_of, none_running, run_columns
     from grainfit.work_folder.run_selection import select_runs, sort_runs
 
     with open_source(source, "") as store:
-        runs = run_columns(store.runs(), none_running(source))
+        runs = run_columns(store.runs(), none_running(source), laboratory_of(store))
     return runs, sort_runs(select_runs(runs, status, test, where or ()), sort)
 
 
 def _find(source: str, identity: str) -> RunColumns:
     """Return the only run with an identity."""
     from grainfit.campaign.store.source import open_source
-    from grainfit.work_folder.run_columns import find_run, none_running, run_columns
+    from grainfit.work_folder.run_columns import find_run, laboratory_of, none_running, run_columns
 
     wanted = identity.strip()
     if wanted.isdecimal() and len(wanted) <= _DIGITS_OF_NUMBERS and "://" not in source:
         wanted = _numbered(Path(source), int(wanted)) or wanted
     with open_source(source, "") as store:
-        return run_columns([find_run(store, wanted)], none_running(source))
+        found = [find_run(store, wanted)]
+        return run_columns(found, none_running(source), laboratory_of(store))
 
 
 def _numbered(folder: Path, number: int) -> str:
