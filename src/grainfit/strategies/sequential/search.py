@@ -113,14 +113,18 @@ class SequentialSearch(Search):
     ) -> None:
         super().__init__(strategy, problem, seed, max_evaluations)
         self._options = strategy
-        tests = len(problem.scopes)
-        usual = usual_design(problem.dimension, tests)
+        usual = usual_design(problem.dimension, len(problem.scopes))
         self._design_size = design_size(
             problem.dimension, strategy.design_runs, usual, max_evaluations
         )
+        usual_of_tests = {
+            scope.name: usual_design(len(scope.parameters))
+            for scope in problem.scopes
+            if len(scope.parameters) < problem.dimension
+        }
         self._design_sizes = {
             scope.name: strategy.design_runs
-            or min(self._design_size, usual_design(len(scope.parameters), tests))
+            or min(self._design_size, usual_of_tests.get(scope.name, usual))
             for scope in problem.scopes
         }
         for relative in problem.relatives:
