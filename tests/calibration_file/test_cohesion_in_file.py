@@ -122,6 +122,9 @@ def test_the_bond_number_is_that_of_the_intervals(tmp_path: Path) -> None:
     # 3 pi gamma R* over the weight of a bead of the lowest density, with R* = 2.5 mm and 5 mm.
     assert "Cohesion (jkr), two particles, 10 mm: Bond number 0 to 1.6 (attraction" in lines[0]
     assert "Cohesion (jkr), a particle and a wall, 10 mm: Bond number 0.33 to 0.65" in lines[1]
+    # Where nothing else is cohesive, the lower end of the interval is dry.
+    alone = describe_plan(setup_of(tmp_path, sticky('{ min = 0, max = "0.5 J/m^2" }', "0"))).lines
+    assert any("two particles, 10 mm: Bond number 0 to 1.6 (attraction" in line for line in alone)
     dry = describe_plan(setup_of(tmp_path, GLASS_BEADS)).lines
     assert not any("Cohesion" in line for line in dry)
 

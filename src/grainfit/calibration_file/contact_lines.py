@@ -75,18 +75,23 @@ def _contacts(
     spheres.
     """
     found: dict[tuple[str, str], list[CohesiveContact]] = {}
+    is_dry_somewhere = False
     for material in _corners(file):
         try:
             law = contact_law(material, file.contact_models)
         except InputError:
             return {}
         if law.cohesion is None:
+            is_dry_somewhere = True
             continue
         smallest = contacts_of(material, sphere, gravity)
         for words, contact in contacts_of(material, diameter, gravity).items():
             overlap = cohesive_contact(law, smallest[words]).overlap
             contacts = found.setdefault((law.cohesion.name, words), [])
             contacts.append(replace(cohesive_contact(law, contact), overlap=overlap))
+    if is_dry_somewhere:
+        for contacts in found.values():
+            contacts.append(CohesiveContact(0.0, 0.0, 0.0))
     return found
 
 

@@ -185,11 +185,14 @@ NO_SUCH_SHAPE = Message("No simulated curve has the shape of the measured one.")
 RUNS_FAIL_NEARER = Message(
     "Runs fail where the metamodels expect it nearer: see why they do, or free another parameter."
 )
-NO_BOUND = Message("No single bound is in the way: free another parameter.")
+NO_BOUND = Message(
+    "The runs do not tell which bound is in the way: widen the intervals, or free another "
+    "parameter."
+)
 BOUND = Message("The bound in the way is {bound}; try {suggestion}.")
 NO_BOUND_BEYOND = Message(
-    "The bound in the way is {bound}, and no possible value beyond it is enough: free another "
-    "parameter."
+    "The bound in the way is {bound}, and no possible value within three intervals of it is "
+    "enough: check what was measured, or free another parameter."
 )
 
 # Hold-outs: tests that take no part in the fit.
