@@ -24,8 +24,9 @@ class CalibrationOptions:
 
     max_runs: int | None = option(
         Whole(1),
-        "Largest number of DEM runs, of all tests together, verification included. Without it, "
-        "the search ends by itself.",
+        "Largest number of DEM runs, of all tests together, verification included. Runs of cheaper "
+        "relatives (`softer`, `coarser`, `smaller`) count by what they cost: one of a tenth as a "
+        "tenth. Without it, the search ends by itself.",
         default_text="none",
         example="60",
     )
