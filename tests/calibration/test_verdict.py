@@ -28,6 +28,7 @@ from grainfit.verdict.reasons import (
     OnTheEdge,
     OutliersDecide,
     OutlyingRuns,
+    TooFewRuns,
     TooMuchScatter,
     UselessScatter,
 )
@@ -208,6 +209,12 @@ def test_scatter_is_said_only_where_runs_tell_it_from_a_trend() -> None:
     changes, useless = judged(0.01, repeated, **known).reasons
     assert messages.SCATTER_CHANGES.is_in(str(changes), here="1.6")
     assert useless == UselessScatter("angle", "deg", 1.6, 0.5, 30.0)
+
+
+def test_where_no_trend_is_known_no_number_of_runs_is() -> None:
+    [reason] = judged(0.5, without_trend=("angle",)).reasons
+    assert reason == TooFewRuns(0.5, 0.95, ("angle",))
+    assert messages.TOO_FEW_RUNS.is_in(str(reason), targets="angle")
 
 
 def test_with_several_seeds_per_evaluation_words_count_runs() -> None:

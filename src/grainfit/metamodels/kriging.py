@@ -36,12 +36,12 @@ from grainfit.metamodels.hyperparameters import RANGE_MEDIAN, HyperparameterPost
 from grainfit.metamodels.noise_ratios import most_probable, noise_ratios
 from grainfit.metamodels.prediction import NORMAL_QUANTILE, LeaveOneOut, Prediction
 from grainfit.metamodels.predictor import (
-    RUNS_PER_COEFFICIENT,
     Component,
     Contrasts,
     Hyperparameters,
     LeavingOut,
     Trend,
+    runs_for_trend,
 )
 from grainfit.metamodels.relative_prior import RATIOS, RelativeModel, RelativePrior
 from grainfit.metamodels.stacked_components import StackedComponents
@@ -290,7 +290,7 @@ class Kriging(OneLine):
 
     @property
     def _runs_for_trend(self) -> int:
-        return RUNS_PER_COEFFICIENT * (self._components[0].effective_dimension + 1)
+        return runs_for_trend(self._components[0].effective_dimension)
 
     @property
     def noise_standard_deviation(self) -> float:

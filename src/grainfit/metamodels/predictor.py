@@ -30,6 +30,12 @@ _FREE_CONTRASTS = 3
 _JITTERS = (1e-9, 1e-8, 1e-7, 1e-6)
 
 
+def runs_for_trend(dimension: int) -> int:
+    """Return the fewest runs that determine a linear trend, and so tell it from scatter."""
+    coefficients = dimension + 1
+    return max(RUNS_PER_COEFFICIENT * coefficients, coefficients + _FREE_CONTRASTS)
+
+
 def matern(distance: Array) -> Array:
     """Matérn 5/2 correlation of a scaled distance h: (1 + t + t²/3) exp(-t), t = sqrt(10) h.
 
@@ -76,7 +82,7 @@ class Trend:
     def choose(cls, points: Array, linear: bool) -> Trend:
         """Choose a linear trend if the runs determine its slopes, else a constant."""
         n, d = points.shape
-        if not linear or n < max(RUNS_PER_COEFFICIENT * (d + 1), d + 1 + _FREE_CONTRASTS):
+        if not linear or n < runs_for_trend(d):
             return cls(())
         centred = points - points.mean(axis=0)
         _, triangle, order = linalg.qr(centred, mode="economic", pivoting=True)

@@ -95,6 +95,12 @@ TOO_MUCH_SCATTER = Message(
     "{confidence} is demanded. {runs}: {one} scatters by {scatter}.",
     "{wider}, a larger sample in the test, or another response with less scatter helps more.",
 )
+TOO_FEW_RUNS = Message(
+    "Every expected response is within its tolerance with a probability of {probability}, and "
+    "{confidence} is demanded. The runs are too few to tell how {targets} depends on the "
+    "parameters from how it scatters.",
+    "Allow more runs.",
+)
 ON_THE_EDGE = Message(
     "The best that can be had lies {where} the edge of the tolerance: expected is {responses}. "
     "Every target is met with a probability of {probability}, and {confidence} is demanded; more "

@@ -395,6 +395,32 @@ class OnTheEdge(Reason):
 
 
 @dataclass(frozen=True)
+class TooFewRuns(Reason):
+    """The runs are too few to tell a trend from scatter, so that neither is known.
+
+    Parameters
+    ----------
+    probability, confidence : float
+        Probability that every target is met, and the demanded one.
+    targets : tuple of str
+        Responses in doubt whose trend is not known.
+    """
+
+    probability: float
+    confidence: float
+    targets: tuple[str, ...]
+    kind = "too few runs"
+    gives_probability = True
+
+    def __str__(self) -> str:
+        return messages.TOO_FEW_RUNS(
+            probability=plain_probability(self.probability),
+            confidence=plain_probability(self.confidence),
+            targets=in_a_row(self.targets),
+        )
+
+
+@dataclass(frozen=True)
 class TooMuchScatter(Reason):
     """The runs scatter too much to tell whether every target is met.
 

@@ -32,6 +32,7 @@ from grainfit.verdict.reasons import (
     Reason,
     RecordsRepeated,
     ScatterChanges,
+    TooFewRuns,
     TooMuchScatter,
     TwoStates,
     UselessScatter,
@@ -292,6 +293,9 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
             yield DeterministicInDoubt(tuple(names), with_all, evidence.confidence)
         elif at_edge := _on_the_edge(evidence, doubtful):
             yield at_edge
+        elif few := [one for one in doubtful if not one.has_trend and one.repeated is None]:
+            names = dict.fromkeys(one.curve or one.name for one in few)
+            yield TooFewRuns(with_all, evidence.confidence, tuple(names))
         else:
             yield _too_much_scatter(evidence)
     elif sum(judgement.lacking.values()) and not judgement.contradicted:
