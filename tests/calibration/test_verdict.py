@@ -213,7 +213,7 @@ def test_scatter_is_said_only_where_runs_tell_it_from_a_trend() -> None:
 
 def test_where_no_trend_is_known_no_number_of_runs_is() -> None:
     [reason] = judged(0.5, without_trend=("angle",)).reasons
-    assert reason == TooFewRuns(0.5, 0.95, ("angle",))
+    assert reason == TooFewRuns(("angle",), 0.5, 0.95)
     assert messages.TOO_FEW_RUNS.is_in(str(reason), targets="angle")
 
 

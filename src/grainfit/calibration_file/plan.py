@@ -122,7 +122,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
             # One of the obstacles.
             continue
         try:
-            if call_scenes or not _has_code(solver):
+            if call_scenes or not is_of_user(solver.bulk_test):
                 lines += _cost_lines(solver, setup.problem)
         except GrainfitError as error:
             without_cost.append(Obstacle(test, error))
@@ -152,7 +152,7 @@ def describe_plan(setup: CalibrationSetup, *, call_scenes: bool = True) -> Plan:
     try:
         with with_lines(setup.file.path):
             runs = _expected_runs(setup)
-        if call_scenes or not any(map(_has_code, setup.solvers.values())):
+        if call_scenes or not any(is_of_user(one.bulk_test) for one in setup.solvers.values()):
             costs = costs_of_runs(setup.problem, setup.simulated)
             time = run_time(runs, costs, setup.repeats, setup.workers)
         lines += _run_lines(setup, runs, time)
@@ -188,7 +188,7 @@ def _add_holdouts(
             model = holdout.model
             executes += [f"hold-out {holdout.name}: {line}" for line in model.executes()]
             require_holdouts(setup.problem, setup.solvers, [holdout])
-            if call_scenes or not _has_code(model):
+            if call_scenes or not is_of_user(model.bulk_test):
                 lines.append(holdout_line(holdout, setup.problem, setup.workers))
         except GrainfitError as error:
             problems += _words(setup, Obstacle("", error))
@@ -228,10 +228,6 @@ def _rayleigh_lines(setup: CalibrationSetup) -> Iterator[str]:
     elif missing := setup.missing_for_time_step:
         verb = "is" if len(missing) == 1 else "are"
         yield messages.NO_RAYLEIGH_TIME_STEP(missing=in_a_row(missing), verb=verb)
-
-
-def _has_code(solver: Solver) -> bool:
-    return is_of_user(solver.bulk_test)
 
 
 def _cost_lines(solver: Solver, problem: Problem) -> Iterator[str]:

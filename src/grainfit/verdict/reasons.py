@@ -18,6 +18,7 @@ from grainfit.formatting import (
     unit_for_people,
     with_unit,
 )
+from grainfit.messages import Message
 from grainfit.verdict import messages
 from grainfit.verdict.out_of_reach import CurveMiss
 
@@ -303,21 +304,43 @@ class Deterministic(Reason):
 
 
 @dataclass(frozen=True)
-class DeterministicInDoubt(Reason):
-    """Responses of deterministic models of which too few parameter sets are known."""
+class _InDoubt:
+    """Responses that are in doubt for one reason, which its message says.
+
+    Parameters
+    ----------
+    targets : tuple of str
+        Their names.
+    probability, confidence : float
+        Probability that every target is met, and the demanded one.
+    """
 
     targets: tuple[str, ...]
     probability: float
     confidence: float
-    kind = "deterministic in doubt"
-    gives_probability = True
+    gives_probability: ClassVar[bool] = True
+    message: ClassVar[Message]
 
     def __str__(self) -> str:
-        return messages.DETERMINISTIC_IN_DOUBT(
+        return self.message(
             targets=in_a_row(self.targets),
             probability=plain_probability(self.probability),
             confidence=plain_probability(self.confidence),
         )
+
+
+class DeterministicInDoubt(_InDoubt, Reason):
+    """Responses of deterministic models of which too few parameter sets are known."""
+
+    kind = "deterministic in doubt"
+    message = messages.DETERMINISTIC_IN_DOUBT
+
+
+class TooFewRuns(_InDoubt, Reason):
+    """Responses of which too few runs are known to tell a trend from scatter."""
+
+    kind = "too few runs"
+    message = messages.TOO_FEW_RUNS
 
 
 @dataclass(frozen=True)
@@ -391,32 +414,6 @@ class OnTheEdge(Reason):
             confidence=plain_probability(self.confidence),
             where="beyond" if self.is_beyond else "on",
             responses=", ".join(map(str, self.responses)),
-        )
-
-
-@dataclass(frozen=True)
-class TooFewRuns(Reason):
-    """The runs are too few to tell a trend from scatter, so that neither is known.
-
-    Parameters
-    ----------
-    probability, confidence : float
-        Probability that every target is met, and the demanded one.
-    targets : tuple of str
-        Responses in doubt whose trend is not known.
-    """
-
-    probability: float
-    confidence: float
-    targets: tuple[str, ...]
-    kind = "too few runs"
-    gives_probability = True
-
-    def __str__(self) -> str:
-        return messages.TOO_FEW_RUNS(
-            probability=plain_probability(self.probability),
-            confidence=plain_probability(self.confidence),
-            targets=in_a_row(self.targets),
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -289,13 +289,11 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
     elif with_all < evidence.confidence:
         doubtful = [one for one in evidence.targets if one.probability < evidence.confidence]
         if doubtful and all(one.is_deterministic for one in doubtful):
-            names = dict.fromkeys(one.curve or one.name for one in doubtful)
-            yield DeterministicInDoubt(tuple(names), with_all, evidence.confidence)
+            yield DeterministicInDoubt(_names(doubtful), with_all, evidence.confidence)
         elif at_edge := _on_the_edge(evidence, doubtful):
             yield at_edge
         elif few := [one for one in doubtful if not one.has_trend and one.repeated is None]:
-            names = dict.fromkeys(one.curve or one.name for one in few)
-            yield TooFewRuns(with_all, evidence.confidence, tuple(names))
+            yield TooFewRuns(_names(few), with_all, evidence.confidence)
         else:
             yield _too_much_scatter(evidence)
     elif sum(judgement.lacking.values()) and not judgement.contradicted:
@@ -304,6 +302,11 @@ def _in_doubt(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
         if evidence.tests.keys() <= set(evidence.deterministic):
             wanted = min(wanted, 1)
         yield FreshSeedsMissing(made, wanted, failed, evidence.ended if failed else 0)
+
+
+def _names(targets: Iterable[TargetEvidence]) -> tuple[str, ...]:
+    """Return the names of responses and curves, each once."""
+    return tuple(dict.fromkeys(one.curve or one.name for one in targets))
 
 
 def _on_the_edge(evidence: Evidence, doubtful: Sequence[TargetEvidence]) -> OnTheEdge | None:

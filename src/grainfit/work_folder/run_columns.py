@@ -117,8 +117,7 @@ def run_columns(
     parameters = {name: _free(name, "parameter", taken) for name in _distinct(inputs)}
     numbers = [scalars(record.responses) for record in records]
     responses = {name: _free(name, "response", taken) for name in _distinct(numbers)}
-    values = _common_columns(records)
-    values["test"] = [_test_of(record, laboratory or {}) for record in records]
+    values = _common_columns(records, laboratory or {})
     if none_is_running:
         values["status"] = [INTERRUPTED if s == "running" else s for s in values["status"]]
     for name, column in parameters.items():
@@ -162,10 +161,14 @@ def laboratory_of(store: RunStore) -> Mapping[str, Any]:
     return Provenance.from_json(about.get("provenance", {})).laboratory
 
 
-def _common_columns(records: Sequence[RunRecord]) -> dict[str, list[Any]]:
-    own = ("identity", "test", "status", "kind", "reason", "origin")
+def _common_columns(
+    records: Sequence[RunRecord], laboratory: Mapping[str, Any]
+) -> dict[str, list[Any]]:
+    own = ("status", "kind", "reason", "origin")
     models = [record.definition.model for record in records]
     return {
+        "identity": [_text(record.identity) for record in records],
+        "test": [_test_of(record, laboratory) for record in records],
         **{name: [_text(getattr(record, name)) for record in records] for name in own},
         **{name: [_text(model.get(name)) for model in models] for name in ("solver", "version")},
         "seed": [_seed(record.definition.seed) for record in records],

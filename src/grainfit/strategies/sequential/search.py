@@ -28,7 +28,7 @@ from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT
 from grainfit.metamodels.unit_cube import spread_subset
-from grainfit.problem import Problem, Relative
+from grainfit.problem import Problem, Relative, TestScope
 from grainfit.strategies import messages
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.base import Search
@@ -117,14 +117,8 @@ class SequentialSearch(Search):
         self._design_size = design_size(
             problem.dimension, strategy.design_runs, usual, max_evaluations
         )
-        usual_of_tests = {
-            scope.name: usual_design(len(scope.parameters))
-            for scope in problem.scopes
-            if len(scope.parameters) < problem.dimension
-        }
         self._design_sizes = {
-            scope.name: strategy.design_runs
-            or min(self._design_size, usual_of_tests.get(scope.name, usual))
+            scope.name: strategy.design_runs or min(self._design_size, self._usual_of(scope, usual))
             for scope in problem.scopes
         }
         for relative in problem.relatives:
@@ -142,6 +136,11 @@ class SequentialSearch(Search):
         self._latest: tuple[tuple[int, int], Belief] | None = None
         self._notices: list[str] = []
         self._has_ended = False
+
+    def _usual_of(self, scope: TestScope, usual: int) -> int:
+        """Return the usual design of a test: that of the problem if all parameters are its own."""
+        dimension = len(scope.parameters)
+        return usual if dimension == self.problem.dimension else usual_design(dimension)
 
     def _make_room_for(self, relative: Relative) -> None:
         """Choose the design of a relative and of its test.
