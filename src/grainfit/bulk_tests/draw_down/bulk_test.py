@@ -122,7 +122,7 @@ class DrawDown(BulkTest):
         },
         wider={"floor_half_width": 2.0},
         indifferent=("shelf_thickness", "floor_half_width"),
-        particles=("cohesive",),
+        particles=("cohesive", "clumps"),
         surface_energy=OF_FLANKS,
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
