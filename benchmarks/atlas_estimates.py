@@ -19,7 +19,7 @@ import shutil
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
@@ -41,19 +41,20 @@ _PARTS = 4
 #: Interval of the density about the true one: its place in it is random.
 _DENSITY_SPAN = 1.3
 _FREE = (SLIDING, ROLLING, DENSITY)
+#: Of the table.
+HEADING = ("| stratum | parameter | materials | inside 95 %, % | width | s |", "|---" * 6 + "|")
 #: Friction from which a logarithmic interval begins at least.
 _LEAST = 0.01
 
 
 def table(folder: Path, names: Sequence[str]) -> Iterator[str]:
     """Yield the lines of the table."""
-    yield "| stratum | parameter | materials | inside 95 %, % | width | s |"
-    yield "|---" * 6 + "|"
+    yield from HEADING
     for name in names:
         stratum, rows = strata()[name], rows_in(rows_of(folder, name))
         random = np.random.default_rng(1)
         part_of = random.permutation(len(rows)) % _PARTS
-        inside, widths, seconds = defaultdict(list), defaultdict(list), []
+        tally = Tally()
         for part in range(_PARTS):
             left_out = [row for row, own in zip(rows, part_of, strict=True) if own == part]
             others = [row for row, own in zip(rows, part_of, strict=True) if own != part]
@@ -64,23 +65,12 @@ def table(folder: Path, names: Sequence[str]) -> Iterator[str]:
                         continue
                     started = time.perf_counter()
                     try:
-                        found = _estimate(stratum, row, atlas, random)
+                        found = estimated(stratum, row, atlas, random)
                     except InputError:
-                        # In the middle of its intervals, the material lies beyond the rows.
                         continue
-                    seconds.append(time.perf_counter() - started)
                     truth = stratum.simulated(row.inputs).material
-                    for one in found.parameters:
-                        given = one.parameter
-                        inside[given.name].append(one.low <= truth[given.name] <= one.high)
-                        ends = [given.to_unit(end) for end in (one.low, one.high)]
-                        widths[given.name].append(ends[1] - ends[0])
-        for free in inside:
-            share, count = 100 * float(np.mean(inside[free])), len(inside[free])
-            yield (
-                f"| {name} | {free} | {count} | {share:.0f} | {median(widths[free]):.2f} "
-                f"| {median(seconds):.1f} |"
-            )
+                    tally.add(found, truth, time.perf_counter() - started)
+        yield from tally.lines(name)
 
 
 def atlas_of(stratum: Stratum, rows: Sequence[Row], folder: Path) -> Atlas:
@@ -96,7 +86,21 @@ def atlas_of(stratum: Stratum, rows: Sequence[Row], folder: Path) -> Atlas:
     return atlas
 
 
-def _estimate(stratum: Stratum, row: Row, atlas: Atlas, random: np.random.Generator) -> Estimate:
+def estimated(
+    stratum: Stratum,
+    row: Row,
+    atlas: Atlas,
+    random: np.random.Generator,
+    *,
+    is_mean: bool = False,
+) -> Estimate:
+    """Return the estimate for the responses of a row, measured with the error of a laboratory.
+
+    Raises
+    ------
+    InputError
+        In the middle of its intervals, the material lies beyond the rows.
+    """
     test, material = stratum.simulated(row.inputs)
     ranges = stratum.ranges
     start = float(random.uniform(1 / _DENSITY_SPAN, 1.0)) * material[DENSITY]
@@ -107,21 +111,54 @@ def _estimate(stratum: Stratum, row: Row, atlas: Atlas, random: np.random.Genera
         ),
         Parameter(DENSITY, start, _DENSITY_SPAN * start),
     ]
-    surrogate = atlas.of_stratum(stratum.name)
-    assert surrogate is not None
+    surrogate = atlas.require(stratum.name)
     at = points_of([row], stratum.ranges)
     targets = []
-    for name, (value, _) in row.responses.items():
+    for name, model in surrogate.models.items():
         unit = ROW_SCALE.of(stratum.kind.responses[name].unit)
-        grown = row.inputs["size"] ** (size_power(stratum.kind, name) or 0.0)
-        scatter = float(surrogate.models[name].scatter(at)[0]) * unit * grown
-        measured = 1.0 if stratum.kind.responses[name].unit == "deg" else 0.01 * value * unit
-        error = math.hypot(scatter, measured)
-        targets.append(Target(name, value * unit, uncertainty=error))
+        value, error = (unit * one for one in row.responses[name])
+        laboratory = laboratory_error(stratum.kind.responses[name].unit, value)
+        if is_mean:
+            value += laboratory * float(random.standard_normal())
+        else:
+            grown = row.inputs["size"] ** (size_power(stratum.kind, name) or 0.0)
+            error = float(model.scatter(at)[0]) * unit * grown
+        targets.append(Target(name, value, uncertainty=math.hypot(error, laboratory)))
     fixed = {name: one for name, one in material.items() if name not in _FREE}
     return estimate_of(
         Problem(parameters, targets), {stratum.kind.type: Lammps(test, fixed)}, atlas
     )
+
+
+def laboratory_error(unit: str, value: float) -> float:
+    """Return the standard uncertainty of a measured value, in its unit."""
+    return 1.0 if unit == "deg" else 0.01 * value
+
+
+class Tally:
+    """Intervals of estimates that hold the truth, and how wide they are."""
+
+    def __init__(self) -> None:
+        self._inside: dict[str, list[bool]] = defaultdict(list)
+        self._widths: dict[str, list[float]] = defaultdict(list)
+        self._seconds: list[float] = []
+
+    def add(self, found: Estimate, truth: Mapping[str, float], seconds: float) -> None:
+        """Add the estimate of a material, which took some seconds."""
+        self._seconds.append(seconds)
+        for one in found.parameters:
+            given = one.parameter
+            self._inside[given.name].append(one.low <= truth[given.name] <= one.high)
+            ends = [given.to_unit(end) for end in (one.low, one.high)]
+            self._widths[given.name].append(ends[1] - ends[0])
+
+    def lines(self, name: str) -> Iterator[str]:
+        """Yield the lines of a stratum in the table."""
+        for free, inside in self._inside.items():
+            yield (
+                f"| {name} | {free} | {len(inside)} | {100 * float(np.mean(inside)):.0f} "
+                f"| {median(self._widths[free]):.2f} | {median(self._seconds):.1f} |"
+            )
 
 
 def main() -> None:

@@ -6,7 +6,7 @@ import json
 import resource
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -43,12 +43,18 @@ def simulate(program: DeckSolver, seed: int) -> dict[str, Any]:
 def measure(runs: Sequence[Run], kept: Path, make: Callable[[Run], dict[str, Any]]) -> None:
     """Make the record of every run that is not kept yet, and keep it."""
     known = set(read(kept, type(runs[0])))
+    missing = [run for run in runs if run not in known]
+    for done, run in enumerate(missing, len(runs) - len(missing) + 1):
+        write(kept, [(run, make(run))])
+        print(f"{done} of {len(runs)}", file=sys.stderr)
+
+
+def write(kept: Path, made: Iterable[tuple[Run, dict[str, Any]]]) -> None:
+    """Keep every run with its record as soon as it is there."""
     with kept.open("a") as file:
-        for done, run in enumerate(runs, 1):
-            if run not in known:
-                file.write(json.dumps(run._asdict() | make(run)) + "\n")
-                file.flush()
-                print(f"{done} of {len(runs)}", file=sys.stderr)
+        for run, record in made:
+            file.write(json.dumps(run._asdict() | record) + "\n")
+            file.flush()
 
 
 def read(kept: Path, kind: type[Run]) -> dict[Run, dict[str, Any]]:
