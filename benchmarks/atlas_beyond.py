@@ -2,7 +2,9 @@
 
 For every dimension that a laboratory chooses (a fill height, an outlet), metamodels are fitted to
 the rows in one half of its range, and predict those in the other, up to a whole range beyond, by
-`ResponseModel.predict_beyond`. Then the halves change places.
+`ResponseModel.predict_beyond`. Then the halves change places. Where responses follow the trend of
+an input beyond its rows (the stiffness of a compression), those in the lower half predict the
+others by `ResponseModel.predict`.
 
     python benchmarks/atlas_beyond.py [--strata heap ...]
 
@@ -30,8 +32,10 @@ def table(atlas: Atlas, names: list[str]) -> Iterator[str]:
     yield "|---" * 7 + "|"
     inside: list[bool] = []
     for name in names:
-        varied = strata()[name].varied
-        for option in [one for one in varied.factors if one not in varied.bounded]:
+        stratum = strata()[name]
+        chosen = [one for one in stratum.varied.factors if one not in stratum.varied.bounded]
+        followed = [one for one, span in stratum.ranges.items() if span.reach > 1]
+        for option in [*chosen, *followed]:
             for response in atlas.require(name).models:
                 errors, stated = _errors(atlas, name, option, response)
                 if len(errors) == 0:
@@ -55,7 +59,8 @@ def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array,
     values, _ = row_values(stratum.kind, response, rows)
     whole = surrogate.models[response]
     errors, stated = [], []
-    for is_lower in (True, False):
+    is_followed = ranges[option].reach > 1
+    for is_lower in (True,) if is_followed else (True, False):
         # Either half becomes the whole range: the other lies up to one range beyond it.
         at = points.copy()
         at[:, column] = 2 * at[:, column] - (0 if is_lower else 1)
@@ -64,7 +69,10 @@ def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array,
             continue
         of_half = [row for row, is_known in zip(rows, known, strict=True) if is_known]
         model = ResponseModel.fit(stratum.kind, response, at[known], of_half, whole.chance)
-        mean, variance = model.predict_beyond(at[~known], [column])
+        others = at[~known]
+        mean, variance = (
+            model.predict(others) if is_followed else model.predict_beyond(others, [column])
+        )
         errors.append(values[~known] - mean)
         stated.append(np.hypot(np.sqrt(variance), whole.scatter(points[~known])))
     return np.concatenate([[], *errors]), np.concatenate([[], *stated])

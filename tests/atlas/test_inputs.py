@@ -119,6 +119,31 @@ def test_stiffer_particles_than_those_of_the_rows_follow_the_trend() -> None:
         _reading(HEAP).require_inside({"particle.youngs_modulus": 1e4})
 
 
+def test_moduli_of_a_compression_follow_their_trend_for_as_long_as_the_rows_are_wide() -> None:
+    compression = gf.tests.Compression(diameter="10 mm", stress="20 kPa")
+    reading = _reading(compression, particle__youngs_modulus=2e8)
+    reading.require_inside({"particle.youngs_modulus": 1.8e9})
+    with pytest.raises(NotInAtlasError, match=r"stiffness .* is 2·10⁵, .* 1000 to 1·10⁵"):
+        reading.require_inside({"particle.youngs_modulus": 4e9})
+
+
+def test_a_smaller_apparatus_follows_the_trend_for_as_long_as_the_rows_are_wide() -> None:
+    usual = gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE)
+    tiny, small = (replace(usual, **usual.at_size(size)) for size in (0.4, 0.55))
+    _reading(small).require_inside({"particle.density": 2100.0})
+    with pytest.raises(NotInAtlasError, match=r"size .* is 0.4, .* 0.479 to 1.3"):
+        _reading(tiny).require_inside({"particle.density": 2100.0})
+
+
+def test_a_mass_that_is_filled_in_is_the_height_of_its_bed() -> None:
+    by_height, by_mass = (gf.tests.Hopper(diameter="10 mm", fill_mass=one) for one in (None, 2.0))
+    height = by_mass.setup.height_of(MATERIAL["particle.density"])
+
+    found = _reading(by_mass).inputs(MATERIAL)["fill_height"]
+
+    assert found == pytest.approx(height / by_height.setup.usual_height)
+
+
 def test_a_speed_of_a_drum_beyond_those_of_the_rows_is_refused() -> None:
     usual = gf.tests.Drum(diameter="10 mm")
     faster = replace(usual, rotational_speed=4 * usual.setup.rotational_speed)

@@ -38,6 +38,8 @@ from grainfit.units import powers
 
 #: Relative difference of an option from that of the rows which is none.
 _SAME = 0.05
+#: Share down to which responses follow the trend of the size: as far as the rows are wide.
+_SMALLEST = -1.0
 #: Walls are rigid when their modulus is so many times that of the particles.
 _RIGID = 30.0
 _DAMPING = "particle_particle.rolling_damping"
@@ -103,7 +105,9 @@ class Reading:
                     raise NotInAtlasError(_other_particles(of_test, test, cohesion))
                 _require_told_law(solver, self._material, self._walls)
                 self._walls.require_told(self.stratum.varied.values)
-            self._apparatus = _apparatus_inputs(self.stratum, test, is_nearest=is_nearest)
+            # A mass that is filled in reaches as high as the density of the particles says.
+            of_material = test.of_material(self._material)
+            self._apparatus = _apparatus_inputs(self.stratum, of_material, is_nearest=is_nearest)
         except InputError as error:
             raise NotInAtlasError(error.reasons) from None
         self.ranges = self.stratum.ranges
@@ -208,12 +212,16 @@ class Reading:
         return messages.LEFT_OUT(**self._range_in_words(name))
 
     def _range_in_words(self, name: str) -> dict[str, str]:
-        low, high = number(self._lowest(name), 3), number(self.ranges[name].high, 3)
+        span = self.ranges[name]
+        end = span.at(span.limit) if span.power == 0 else span.high
+        low, high = number(self._lowest(name), 3), number(end, 3)
         shown = f"{name} / (ρ g d)" if name in self.stratum.varied.loads else name
         return {"name": _IN_WORDS.get(name, shown), "low": low, "high": high}
 
     def _lowest(self, name: str) -> float:
-        """Return the lower end of an input: dry spheres are known, too."""
+        """Return the lower end of an input: dry spheres and a smaller apparatus are known, too."""
+        if name == SIZE:
+            return self.ranges[name].at(_SMALLEST)
         low = self.ranges[name].low
         return min(self.stratum.particles.limit.get(name, low), low)
 

@@ -25,6 +25,8 @@ class Range:
         Ends.
     power : float
         Responses follow this power of the input; 0 is its logarithm.
+    reach : float
+        Share up to which they follow the trend of a logarithm, 1 at the upper end.
 
     Examples
     --------
@@ -37,6 +39,7 @@ class Range:
     low: float
     high: float
     power: float = 1.0
+    reach: float = 1.0
 
     def share(self, value: Any) -> Any:
         """Return where a value, or each of an array, lies: 0 at the lower end, 1 at the upper."""
@@ -51,15 +54,10 @@ class Range:
 
     @property
     def limit(self) -> float:
-        """Share that an input without end approaches, up to which responses follow a trend.
-
-        1 where there is no such limit: a negative power ends at 0.
-        """
-        return (
-            float(self._of(self.low) / (self._of(self.low) - self._of(self.high)))
-            if (self.power < 0)
-            else 1.0
-        )
+        """Share up to which responses follow a trend: of a negative power, where the input is 0."""
+        if self.power >= 0:
+            return self.reach
+        return float(self._of(self.low) / (self._of(self.low) - self._of(self.high)))
 
     def _of(self, value: Any) -> Any:
         if self.power != 0:

@@ -111,7 +111,7 @@ class Compression(BulkTest):
         factors={"strike_off_height": Range(0.7, 1.4)},
         loads={"stress": Range(30.0, 300.0, power=0)},
         # Moduli have no limit with stiff particles: they follow a power of E over the stress.
-        stiffness=Range(1000.0, 10_000.0, power=0),
+        stiffness=Range(1000.0, 10_000.0, power=0, reach=2.0),
         indifferent=("seating_stress", "particle_count", "piston_speed"),
     )
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
