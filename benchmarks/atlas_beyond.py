@@ -2,9 +2,9 @@
 
 For every dimension that a laboratory chooses (a fill height, an outlet), metamodels are fitted to
 the rows in one half of its range, and predict those in the other, up to a whole range beyond, by
-`ResponseModel.predict_beyond`. Then the halves change places. Where responses follow the trend of
-an input beyond its rows (the stiffness of a compression), those in the lower half predict the
-others by `ResponseModel.predict`.
+`ResponseModel.predict_beyond`. Then the halves change places. Responses follow the trend of smaller
+apparatus and of stiffer particles in a compression: there one half predicts the other by
+`ResponseModel.predict`.
 
     python benchmarks/atlas_beyond.py [--strata heap ...]
 
@@ -21,7 +21,7 @@ import numpy as np
 
 from grainfit.arrays import Array
 from grainfit.atlas.shelf import Atlas
-from grainfit.atlas.strata import strata
+from grainfit.atlas.strata import SIZE, Stratum, strata
 from grainfit.atlas.surrogate import FEWEST_ROWS, ResponseModel, points_of, row_values
 from grainfit.formatting import number
 
@@ -34,8 +34,7 @@ def table(atlas: Atlas, names: list[str]) -> Iterator[str]:
     for name in names:
         stratum = strata()[name]
         chosen = [one for one in stratum.varied.factors if one not in stratum.varied.bounded]
-        followed = [one for one, span in stratum.ranges.items() if span.reach > 1]
-        for option in [*chosen, *followed]:
+        for option in [*chosen, *_followed(stratum)]:
             for response in atlas.require(name).models:
                 errors, stated = _errors(atlas, name, option, response)
                 if len(errors) == 0:
@@ -50,6 +49,12 @@ def table(atlas: Atlas, names: list[str]) -> Iterator[str]:
     yield f"\n{sum(inside)} of {len(inside)} ({100 * np.mean(inside):.1f} %) inside."
 
 
+def _followed(stratum: Stratum) -> dict[str, bool]:
+    """Return inputs whose trend is followed beyond their rows, and whether upwards."""
+    stiff = (one for one, span in stratum.ranges.items() if span.reach > 1)
+    return {SIZE: False, **dict.fromkeys(stiff, True)}
+
+
 def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array, Array]:
     """Return errors of the rows of either half by the other, and their standard deviations."""
     stratum, surrogate = strata()[name], atlas.require(name)
@@ -59,8 +64,8 @@ def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array,
     values, _ = row_values(stratum.kind, response, rows)
     whole = surrogate.models[response]
     errors, stated = [], []
-    is_followed = ranges[option].reach > 1
-    for is_lower in (True,) if is_followed else (True, False):
+    followed = _followed(stratum)
+    for is_lower in (followed[option],) if option in followed else (True, False):
         # Either half becomes the whole range: the other lies up to one range beyond it.
         at = points.copy()
         at[:, column] = 2 * at[:, column] - (0 if is_lower else 1)
@@ -71,7 +76,7 @@ def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array,
         model = ResponseModel.fit(stratum.kind, response, at[known], of_half, whole.chance)
         others = at[~known]
         mean, variance = (
-            model.predict(others) if is_followed else model.predict_beyond(others, [column])
+            model.predict(others) if option in followed else model.predict_beyond(others, [column])
         )
         errors.append(values[~known] - mean)
         stated.append(np.hypot(np.sqrt(variance), whole.scatter(points[~known])))
