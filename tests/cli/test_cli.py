@@ -550,3 +550,29 @@ def test_full_size_without_twins_is_refused(tmp_path: Path) -> None:
     calibration(tmp_path)
     done = grainfit("run", "my sand.toml", "--full-size", folder=tmp_path, code=1)
     assert cli_messages.FULL_SIZE_OF_NOTHING.is_in(done.stderr)
+
+
+def test_a_crash_of_a_users_function_shows_its_stack_and_the_next_start_names_the_run(
+    tmp_path: Path,
+) -> None:
+    model = "import ctypes\n\ndef simulate(parameters):\n    ctypes.string_at(0)\n"
+    (tmp_path / "model.py").write_text(model)
+    (tmp_path / "sand.toml").write_text(
+        'name = "sand"\nparameters.friction = { min = 0.1, max = 0.9 }\n[[test]]\n'
+        'type = "python"\nfunction = "model.py:simulate"\ntargets.angle = { value = 30, '
+        "uncertainty = 0.5 }\n"
+    )
+    done = subprocess.run(
+        command("run", "sand.toml"), cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == -signal.SIGSEGV
+    assert 'model.py", line 4 in simulate' in done.stderr
+    (tmp_path / "model.py").write_text(
+        model.replace("ctypes.string_at(0)", "return {'angle': 50 * parameters['friction']}")
+    )
+    again = in_own_process("run", "sand.toml", folder=tmp_path)
+    cut_off = cli_messages.CUT_OFF
+    assert cut_off.is_in(again.stderr, others="")
+    assert "python at friction = " in again.stderr
+    third = in_own_process("run", "sand.toml", folder=tmp_path)
+    assert not cut_off.is_in(third.stderr)

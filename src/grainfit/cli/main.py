@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import gc
 import os
 import sys
@@ -28,6 +29,10 @@ def main() -> None:
     """Run the command line and exit with its code."""
     interruption.listen()
     lose_no_output()
+    # A user's function that crashes Python itself would otherwise end it without a word; a window
+    # without a terminal has no stream to write to.
+    with suppress(AttributeError, OSError, RuntimeError, ValueError):
+        faulthandler.enable(all_threads=False)
     code = _with_json() if json_is_wanted() else _with_text()
     # A reader may be gone, such as a pager; the exit code is not.
     with suppress(OSError):

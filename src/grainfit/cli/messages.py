@@ -37,6 +37,10 @@ WRITTEN = Message("Wrote {file}. Edit it, then: grainfit check {file}")
 NO_REPORT = Message("No report was written ({reason}).", "Try again: grainfit report {folder}")
 
 # Beside a run.
+CUT_OFF = Message(
+    "The last start was killed, or crashed, in the middle of runs, which are made again: "
+    "{runs}{others}."
+)
 NO_PAGE = Message("No page follows this run: {reason}.")
 NOTIFICATION_FAILED = Message("The command of --notify failed: {reason}.")
 NOTIFICATION_TOO_LONG = Message("it took longer than {seconds:.0f} s and was ended")

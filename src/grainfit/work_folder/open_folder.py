@@ -5,7 +5,7 @@ Imports no NumPy: `grainfit status` starts with it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -87,6 +87,18 @@ class OpenFolder:
     def under_way(self, statuses: Iterable[str]) -> int:
         """Return how many of the runs with these statuses execute, or wait for a worker."""
         return list(statuses).count("running") if self.state == "running" else 0
+
+    def cut_off(self) -> list[tuple[str, Mapping[str, float]]]:
+        """Return test and free parameters of the runs under way when the last start died."""
+        if self.is_held:
+            return []
+        states = self.store.states()
+        return [
+            (name, request.parameters)
+            for request in self.requests
+            for name, identity in request.runs.items()
+            if states.get(identity) == "running"
+        ]
 
     def warm_start_requests(self) -> list[RequestRecord]:
         """Return the parameter sets of other calibrations that it started from.

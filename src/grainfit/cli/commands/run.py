@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from collections.abc import Mapping
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -22,12 +23,16 @@ from grainfit.cli.notification import Notify, notifying
 from grainfit.cli.options import CalibrationPath, Workdir
 from grainfit.cli.search_options import with_search_options
 from grainfit.cli.verbosity import is_quiet, is_verbose
-from grainfit.errors import InputError
+from grainfit.errors import InputError, StoreError
+from grainfit.formatting import assigned, counted
 from grainfit.strategies.registry import strategies
 
 if TYPE_CHECKING:
     from grainfit.calibration_file.build import CalibrationSetup
     from grainfit.result import Result
+
+#: Runs that are named of those that were under way when a start died.
+_MOST_CUT_OFF = 3
 
 _Strategy = Annotated[
     str | None,
@@ -145,17 +150,37 @@ def _setup(file: Path, folder: Path, local: bool) -> CalibrationSetup:
 
 
 def _show_opening(setup: CalibrationSetup, folder: Path, max_runs: int | None) -> None:
-    """Print apparatus and forecast once: before the first run of a work folder."""
+    """Print apparatus and forecast before the first run of a folder; later, what was cut off."""
     from grainfit.calibration_file.apparatus import opening_lines
     from grainfit.calibration_file.checks.context import context_of
     from grainfit.calibration_file.checks.fine_tolerances import scatter_forecasts
     from grainfit.campaign.store.store import STORE_NAME
 
-    if not (folder / STORE_NAME).exists():
+    if (folder / STORE_NAME).exists():
+        _show_cut_off(folder, setup.problem.units)
+    else:
         context = context_of(setup.file, setup.problem, setup.solvers)
         forecasts = (text for _, text in scatter_forecasts(context, max_runs))
         for line in chain(opening_lines(setup), forecasts):
             err_remarks.print(line, markup=False, highlight=False)
+
+
+def _show_cut_off(folder: Path, units: Mapping[str, str]) -> None:
+    """Print the runs under way when the last start died: one of them may have crashed it."""
+    from grainfit.work_folder.open_folder import open_folder
+
+    # A store that cannot be read yet, such as one of an earlier version, is for the calibration.
+    with suppress(StoreError), open_folder(folder) as opened:
+        cut_off = opened.cut_off()
+        if cut_off:
+            shown = "; ".join(
+                f"{name} at {', '.join(assigned(values, units))}"
+                for name, values in cut_off[:_MOST_CUT_OFF]
+            )
+            more = len(cut_off) - _MOST_CUT_OFF
+            others = f" and {counted(more, 'other')}" if more > 0 else ""
+            text = messages.CUT_OFF(runs=shown, others=others)
+            err_remarks.print(text, markup=False, highlight=False)
 
 
 def _calibrate(setup: CalibrationSetup, folder: Path, **given: Any) -> Result:
