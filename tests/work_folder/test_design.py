@@ -18,6 +18,7 @@ from grainfit.calibration_file.planned import load_planned_file
 from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.problem import messages as of_problem
+from grainfit.solvers.own_model import table_messages
 from grainfit.which_test import messages
 from grainfit.which_test.available import available_tests, material_of
 from grainfit.which_test.knowledge import Knowledge
@@ -86,6 +87,23 @@ def test_a_test_without_targets_is_measured_in_all_its_responses(plan: Path) -> 
     assert found["bulk_density"] == Accuracy(0.01, is_share=True)
     assert found["angle_of_repose"] == Accuracy(1.0)
     assert None not in found.values()
+
+
+def test_a_table_is_a_model_of_ones_own_and_names_its_responses_as_targets(plan: Path) -> None:
+    (plan.parent / "runs.csv").write_text("friction,angle\n0.2,20\n0.8,30\n")
+    table = (
+        'name = "sand"\nparameters.friction = { min = 0.1, max = 0.9 }\n'
+        '[[test]]\ntype = "table"\nfile = "runs.csv"\n'
+    )
+    plan.write_text(table)
+    of_table = re.escape("targets: ") + table_messages.NO_RESPONSES.matching()
+    with pytest.raises(gf.InputError, match=of_table):
+        gf.design(plan)
+    target = 'targets.angle = { value = 25, uncertainty = "1 %" }\n'
+    for planned in (target, "targets.angle = {}\n"):
+        plan.write_text(table + planned)
+        with pytest.raises(gf.InputError, match=messages.ONLY_OWN_MODELS.matching()):
+            gf.design(plan)
 
 
 def test_targets_without_values_say_what_can_be_measured_and_how_well(plan: Path) -> None:

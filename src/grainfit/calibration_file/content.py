@@ -94,8 +94,9 @@ class TestSpecification(OneLine):
 
     @property
     def responses(self) -> tuple[str, ...]:
-        """Names of the responses that were measured, curves last."""
-        return (*(target.name for target in self.targets), *(curve.name for curve in self.curves))
+        """Names of the responses that were measured, curves last, or that could be measured."""
+        measured = (*self.targets, *self.curves)
+        return (*(one.name for one in measured), *self.planned)
 
 
 @dataclass(frozen=True)

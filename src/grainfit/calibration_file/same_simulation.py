@@ -39,12 +39,8 @@ def _can_be_joined(one: TestSpecification, other: TestSpecification) -> bool:
         and "evaluate" in one.options
         and "evaluate" in other.options
         and one.repeats == other.repeats
-        and not _names(one) & _names(other)
+        and set(one.responses).isdisjoint(other.responses)
     )
-
-
-def _names(test: TestSpecification) -> set[str]:
-    return {*test.responses, *test.planned}
 
 
 def _joint_name(one: TestSpecification, other: TestSpecification) -> str:

@@ -27,7 +27,7 @@ class FileEntry:
     options : mapping of str to object
         The given keys of the type of test.
     responses : tuple of str
-        Responses that have a target.
+        Responses that have a target, or could be measured.
     free : mapping of str to tuple of float
         Ends of the intervals of the free parameters, by name.
     fixed : mapping of str to float

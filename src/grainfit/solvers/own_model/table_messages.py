@@ -3,6 +3,10 @@
 from grainfit.messages import Message
 
 COLUMNS_NOT_LISTED = Message("are {columns!r}.", "List the names of the columns.")
+NO_RESPONSES = Message(
+    "are missing: any column of the table could be a response.",
+    "Name those that are as targets.",
+)
 NO_RUNS = Message("holds no runs.", "Give one line for each run.")
 NEGATIVE_ERROR = Message("is {value:g}; a standard error is not negative.")
 OLD_ERROR_NAME = Message(

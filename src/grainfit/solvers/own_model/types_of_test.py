@@ -13,7 +13,7 @@ from grainfit.options.places import Place, show
 from grainfit.options.tables import Key, Values
 from grainfit.solvers.base import Solver
 from grainfit.solvers.file_entry import TIMEOUT_KEY, FileEntry, TestType
-from grainfit.solvers.own_model import messages
+from grainfit.solvers.own_model import messages, table_messages
 from grainfit.solvers.own_model.command import Command
 from grainfit.solvers.own_model.model_folder import is_inside
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -66,6 +66,8 @@ def _python(entry: FileEntry) -> Solver:
 
 def _table(entry: FileEntry) -> Solver:
     options = _options_but(entry, "file")
+    if not entry.responses:
+        raise InputError(table_messages.NO_RESPONSES.fault("targets"))
     left_out = _left_out(entry)
     columns = [name for name in entry.free if name not in left_out]
     file = entry.options["file"]
