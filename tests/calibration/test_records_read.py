@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import grainfit as gf
+from grainfit.calibration import messages
 from grainfit.calibration.records_read import RecordsRead
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -46,6 +47,22 @@ def test_nearest_rows_of_a_table_confirm_no_answer(result: gf.Result) -> None:
     assert result.runs.verification == 0
     assert result.responses["angle"].verdict == "in doubt"
     assert "robability" not in str(result)
+
+
+def test_the_result_says_that_runs_have_read_the_same_rows() -> None:
+    table = RecordedTable(rows(6), ["friction", "rolling"], ["angle"], nearest=True)
+    problem = gf.Problem([FRICTION, ROLLING], [ANGLE])
+    result = gf.calibrate(problem, table, seed=2, max_runs=16)
+    [said] = [one for one in result.notices if messages.ROWS_READ_AGAIN.is_in(one)]
+    assert said.startswith(f"{result.runs.total} ")
+
+
+def test_rows_that_are_read_once_each_need_no_word() -> None:
+    table = RecordedTable(REPEATED, ["friction"], ["angle"])
+    records = RecordsRead({"heap": table}, {"heap": 1})
+    assert records.read_again([read(seed, "design") for seed in (3, 4, 5)]) == []
+    [said] = records.read_again([read(seed, "design") for seed in (3, 4, 5, 6)])
+    assert messages.ROWS_READ_AGAIN.is_in(said, runs=4, rows="3 rows", of_test="")
 
 
 def test_an_answer_without_a_row_names_the_nearest(result: gf.Result) -> None:

@@ -272,7 +272,9 @@ class CalibrationLoop:
         known_runs = sum(self._origins.values())
         result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
         near = [self._near.notice] if self._near.tests else []
-        result = replace(result, other_notices=(*near, *result.other_notices))
+        search = [one for one in self._evaluations if one.proposal.stage != "verification"]
+        again = self._records.read_again(search)
+        result = replace(result, other_notices=(*near, *again, *result.other_notices))
         own = self._own_evidence()
         result = with_intervals(result, self._problem, own, self._known, self._campaign.solvers)
         tests = tests_of_runs(self._evaluations, self._store.find_many)

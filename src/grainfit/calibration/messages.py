@@ -63,6 +63,10 @@ KNOWN_SCATTER = Message(
     "Scatter that is known before the runs counts as that of {runs} more, where they do not "
     "contradict it: {scatters}."
 )
+ROWS_READ_AGAIN = Message(
+    "{runs} runs{of_test} have read {rows} of the table: a row that is read again tells nothing "
+    "new, and nothing of the scatter."
+)
 WARM_START = Message("Warm start from {runs} earlier runs: {places}.")
 
 # Hold-outs.

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from grainfit.calibration import messages
 from grainfit.calibration.deterministic import DeterministicTests
 from grainfit.calibration.repetitions import Repetitions
 from grainfit.campaign.repeats import seeds_of
 from grainfit.evaluation import Evaluation, Proposal, response_name
-from grainfit.formatting import value_with_unit
+from grainfit.formatting import counted, value_with_unit
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver, SourceRecord
 from grainfit.verdict.reasons import NoRecordThere
@@ -87,6 +88,22 @@ class RecordsRead:
                     )
                 read |= names
         return found
+
+    def read_again(self, evaluations: Sequence[Evaluation]) -> list[str]:
+        """Return a sentence on each test whose runs have read fewer records than there are runs."""
+        read: dict[str, list[str]] = {}
+        for evaluation in evaluations:
+            for test, records in self._of(evaluation.proposal):
+                read.setdefault(test, []).extend(record.name for record in records)
+        return [
+            messages.ROWS_READ_AGAIN(
+                runs=len(names),
+                of_test=f" of {test}" if len(self.solvers) > 1 else "",
+                rows=counted(len(set(names)), "row"),
+            )
+            for test, names in read.items()
+            if len(set(names)) < len(names)
+        ]
 
     def missing_at(self, parameters: Mapping[str, float], problem: Problem) -> list[NoRecordThere]:
         """Return the tests that have no record at some parameters, with the nearest one."""

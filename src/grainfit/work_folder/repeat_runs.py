@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from grainfit.analysis.scatter import RepeatedRuns, scatter_over_seeds
+from grainfit.calibration.records_read import RecordsRead
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
@@ -100,7 +101,12 @@ def repeat_runs(
     found = scatter_over_seeds(
         evaluations, setup.problem.targets, _units(setup), setup.problem.curves
     )
-    remarks = (*in_place_of_fixed(setup, answer, settings), *_remarks(setup, found.evaluations))
+    records = RecordsRead(setup.solvers, dict.fromkeys(setup.solvers, 1))
+    remarks = (
+        *in_place_of_fixed(setup, answer, settings),
+        *records.read_again(found.evaluations),
+        *_remarks(setup, found.evaluations),
+    )
     return replace(found, remarks=remarks)
 
 
