@@ -440,6 +440,36 @@ def in_a_row(names: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
+def alike(texts: Iterable[str]) -> list[list[str]]:
+    """Return texts in groups that differ in their numbers only, the largest group first.
+
+    Examples
+    --------
+    >>> alike(["no heap", "no rest in 4.1 s", "no rest in 12 s"])
+    [['no rest in 4.1 s', 'no rest in 12 s'], ['no heap']]
+    """
+    found: dict[str, list[str]] = {}
+    for text in texts:
+        found.setdefault(re.sub(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", "#", text), []).append(text)
+    return sorted(found.values(), key=len, reverse=True)
+
+
+def causes(reasons: Iterable[str]) -> list[str]:
+    """Return why runs failed, with one example of reasons that differ in their numbers only.
+
+    Examples
+    --------
+    >>> causes(["no heap.", "no rest in 4.1 s.", "no rest in 12 s."])
+    ['no rest in 4.1 s (2 alike).', 'no heap.']
+    """
+    return [
+        f"{one.removesuffix('.')} ({1 + len(others)} alike){'.' * one.endswith('.')}"
+        if others
+        else one
+        for one, *others in alike(reasons)
+    ]
+
+
 def short_names(names: Sequence[str]) -> list[str]:
     """Return dotted names as headings: without sections where they stay different, in words.
 

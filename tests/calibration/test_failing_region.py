@@ -9,6 +9,8 @@ import grainfit as gf
 from grainfit.calibration.failed_runs import about_failed_runs
 from grainfit.calibration.messages import RUNS_FAILED
 from grainfit.evaluation import Evaluation, Proposal, Response
+from grainfit.metamodels.messages import FAILURES
+from grainfit.metamodels.metamodels import Metamodels
 from grainfit.problem import TestScope
 from grainfit.verdict.messages import RUNS_FAIL_NEARER
 
@@ -82,6 +84,22 @@ def test_failures_are_said_with_the_parameter_that_explains_them() -> None:
     for part in ("3 of 5", "heap", "b of 0.302 or less", "no heap"):
         assert part in said
     assert "it slid" not in said
+
+
+def test_causes_that_differ_in_numbers_only_count_together() -> None:
+    runs = [run(0.2, 0.9), *(run(0.1 * n, 0.2, f"no rest within 4.{n} s") for n in (3, 4, 5))]
+    others = [run(0.1 * n, 0.3, "no heap") for n in (1, 2)]
+    [said] = about_failed_runs(PROBLEM, [*others, *runs])
+    assert said.endswith("no rest within 4.3 s")
+    few = [Evaluation(Proposal({"x": 0.1}, 1, "design"), {}, {"simulate": "no heap"})]
+    few += [
+        Evaluation(Proposal({"x": 0.1 * n}, n, "design"), {}, {"simulate": f"no rest in {n}.5 s"})
+        for n in (3, 4, 12)
+    ]
+    problem = gf.Problem([gf.Parameter("x", 0.0, 1.0)], [gf.Target("angle", 30.0, tolerance=1.0)])
+    reasons = "no rest in 3.5 s (3 alike); no heap"
+    with pytest.raises(gf.RunFailedError, match=FAILURES.matching(reasons=reasons)):
+        Metamodels.fit(problem, few)
 
 
 def test_failures_that_no_parameter_explains_are_said_where_they_are_many() -> None:

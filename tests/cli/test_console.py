@@ -17,7 +17,7 @@ from grainfit.cli.exit_codes import OF_STATUS
 from grainfit.result import ParameterInterval, Result
 from grainfit.tables import TextTable
 from grainfit.verdict import messages
-from grainfit.work_folder.status import WorkdirStatus
+from grainfit.work_folder.status import FailedRun, WorkdirStatus
 
 
 @pytest.fixture(scope="module")
@@ -150,3 +150,16 @@ def test_check_shows_the_severity_of_each_finding(tmp_path: Path) -> None:
     assert {finding.severity for finding in plan.findings} == {"note", "warning"}
     for finding in plan.findings:
         assert f"{finding.severity.capitalize()}: {finding.text}" in shown
+
+
+def test_failures_that_differ_in_numbers_only_are_one_line_of_the_status() -> None:
+    failed = [FailedRun(f"runs/{n}", f"no rest within 4.{n} s", "") for n in range(3)]
+    failed += [FailedRun("runs/3", "no heap", "")]
+    console = Console(file=io.StringIO(), width=100)
+    print_status(console, WorkdirStatus("sand", "failed", {}, {}, 0, tuple(failed), 0, None))
+    assert isinstance(console.file, io.StringIO)
+    lines = [one for one in console.file.getvalue().splitlines() if one.startswith("failed: ")]
+    assert lines == [
+        "failed: no rest within 4.0 s (runs/0, and 2 runs alike)",
+        "failed: no heap (runs/3)",
+    ]

@@ -13,6 +13,7 @@ from grainfit.bulk_tests.parameter_names import MODULUS
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (
+    causes,
     in_a_row,
     in_unit,
     number,
@@ -57,7 +58,7 @@ class ModulusRow:
     seconds : float
         Wall time of all tests for one seed, s.
     failures : tuple of str
-        Reasons of failed runs.
+        Reasons of failed runs, one for each.
     """
 
     factor: float
@@ -139,7 +140,7 @@ class ModulusStudy(Summary, OneLine):
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the table and the sentences that `print` and a notebook show."""
-        failures = dict.fromkeys(reason for row in self.rows for reason in row.failures)
+        failures = causes(reason for row in self.rows for reason in row.failures)
         failed = (messages.A_RUN_FAILED(why=why) for why in failures)
         return (self._table(), *self._verdict(), *self._left_out(), *failed)
 
@@ -282,14 +283,13 @@ def _row(
     costs = [solver.estimate_cost(parameters) for solver in plan.solvers.values()]
     steps = [cost.time_step for cost in costs if cost is not None]
     responses = {name: found[factor] for name, found in means.items() if factor in found}
-    failures = dict.fromkeys(reason for run in runs for reason in run.failures.values())
     return ModulusRow(
         factor,
         parameters[MODULUS],
         responses,
         min(steps) if steps else None,
         fmean(run.seconds for run in runs),
-        tuple(failures),
+        tuple(reason for run in runs for reason in run.failures.values()),
     )
 
 

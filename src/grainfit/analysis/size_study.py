@@ -18,7 +18,7 @@ from grainfit.campaign.batch import ExpectedWork, simulate_batch
 from grainfit.campaign.campaign import CampaignOptions
 from grainfit.errors import InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
-from grainfit.formatting import duration, in_unit, plain_interval
+from grainfit.formatting import causes, duration, in_unit, plain_interval
 from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
@@ -122,7 +122,7 @@ class SizeRow:
     seconds : float, optional
         Wall time of a run, s: measured, or expected where none was made.
     failures : tuple of str
-        Reasons of failed runs.
+        Reasons of failed runs, one for each.
     """
 
     times: float
@@ -248,7 +248,7 @@ class SizeStudy(Summary, OneLine):
         parts: list[str | TextTable] = []
         for test in self.tests:
             parts += [f"Test {test.name}", test.table(self.seeds), *test.sentences()]
-            failures = dict.fromkeys(why for row in test.rows for why in row.failures)
+            failures = causes(why for row in test.rows for why in row.failures)
             parts += [f"A run failed: {why}" for why in failures]
         return tuple(parts)
 
@@ -344,7 +344,7 @@ def _sizes_of(
             resized(test, times).number_of_particles,
             {n: found[times] for n, found in means.items() if times in found},
             _seconds(evaluations, label),
-            tuple(dict.fromkeys(e.failures[label] for e in evaluations if label in e.failures)),
+            tuple(e.failures[label] for e in evaluations if label in e.failures),
         )
         for times, label in ((times, labels[name, times]) for times in plan.sizes)
     )

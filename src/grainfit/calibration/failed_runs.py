@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from grainfit.calibration import messages
 from grainfit.evaluation import Evaluation
-from grainfit.formatting import rounded_off, value_with_unit
+from grainfit.formatting import alike, rounded_off, value_with_unit
 from grainfit.problem import Problem, TestScope
 
 #: Fewer failures may be chance.
@@ -36,7 +35,7 @@ def about_failed_runs(problem: Problem, evaluations: Sequence[Evaluation]) -> It
         where = _on_one_side(problem, scope, failed, fine)
         if where is None and len(failed) < _MANY * len(own):
             continue
-        [(why, _)] = Counter(e.why_failed(scope.name) for e in failed).most_common(1)
+        why = alike(e.why_failed(scope.name) or "" for e in failed)[0][0]
         yield messages.RUNS_FAILED(
             failed=len(failed),
             runs=len(own),

@@ -22,6 +22,7 @@ from grainfit.calibration.scopes import restricted_to_used
 from grainfit.calibration.timeouts import read_timeout
 from grainfit.errors import Fault, InputError, RunFailedError
 from grainfit.evaluation import Evaluation, Proposal
+from grainfit.formatting import causes
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.one_line import OneLine
 from grainfit.problem import CurveTarget, Problem, Target
@@ -340,8 +341,8 @@ def predict_holdout(
 
 
 def _reasons(evaluations: Sequence[Evaluation]) -> list[str]:
-    """Return why runs failed, each reason once."""
-    return [*dict.fromkeys(why for one in evaluations for why in one.failures.values())]
+    """Return why runs failed, each cause once."""
+    return causes(why for one in evaluations for why in one.failures.values())
 
 
 def _proposals(material: Material, draws: Draws) -> list[list[Proposal]]:

@@ -95,8 +95,8 @@ class TestSpecification(OneLine):
     @property
     def responses(self) -> tuple[str, ...]:
         """Names of the responses that were measured, curves last, or that could be measured."""
-        measured = (*self.targets, *self.curves)
-        return (*(one.name for one in measured), *self.planned)
+        measured = [*(one.name for one in self.targets), *(one.name for one in self.curves)]
+        return (*measured, *self.planned)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,16 @@ from rich.text import Text
 from grainfit.cli import messages
 from grainfit.errors import GrainfitError, InputError, RunFailedError
 from grainfit.evaluation import Curve, Measured, curves, scalars
-from grainfit.formatting import assigned, duration, in_unit, plain, unit_for_people, with_unit
+from grainfit.formatting import (
+    alike,
+    assigned,
+    counted,
+    duration,
+    in_unit,
+    plain,
+    unit_for_people,
+    with_unit,
+)
 from grainfit.verdict.messages import state_name
 
 if TYPE_CHECKING:
@@ -217,8 +226,10 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
         f"{status.kept} finished runs kept",
         highlight=False,
     )
-    for failure in status.failed:
-        console.print(_text(f"failed: {failure.reason} ({failure.folder})", "red"))
+    folders = {failure.reason: failure.folder for failure in reversed(status.failed)}
+    for first, *others in alike(failure.reason for failure in status.failed):
+        more = f", and {counted(len(others), 'run')} alike" if others else ""
+        console.print(_text(f"failed: {first} ({folders[first]}{more})", "red"))
     if status.result:
         values, units = status.result.parameters, status.result.units
         for line, (name, value) in zip(assigned(values, units, 5), values.items(), strict=True):

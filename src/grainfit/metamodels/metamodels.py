@@ -14,7 +14,7 @@ from scipy.special import ndtr, ndtri
 from grainfit.arrays import Array
 from grainfit.errors import RunFailedError
 from grainfit.evaluation import Evaluation, Response
-from grainfit.formatting import counted
+from grainfit.formatting import causes, counted
 from grainfit.metamodels import messages
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import (
@@ -542,8 +542,8 @@ def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str
         few = messages.FEW_RESPONSES(known=len(known), runs=runs, name=name, places=where)
     else:
         few = messages.FEW_PLACES(runs=counted(len(known), "run"), name=name, places=where)
-    failures = {reason for e in evaluations for reason in e.failures.values()}
-    reasons = "; ".join(reason.removesuffix(".") for reason in sorted(failures)[:3])
+    failures = causes(reason for e in evaluations for reason in e.failures.values())
+    reasons = "; ".join(reason.removesuffix(".") for reason in failures[:3])
     because = f" {messages.FAILURES(reasons=reasons)}" if failures else ""
     short = [about_short_curves(c, evaluations) for c in problem.curves if c.name == name]
     why = messages.NO_METAMODEL(few=few, needed=needed, because=because)
