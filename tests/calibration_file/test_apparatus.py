@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import grainfit as gf
 from grainfit.bulk_tests import messages
 from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_of
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration.provenance import Provenance
 from grainfit.calibration_file.apparatus import opening_lines, simulated_apparatus
 from grainfit.calibration_file.starter import starter_file
 from grainfit.cli.app import app
@@ -84,10 +86,18 @@ def test_check_preview_and_report_name_it(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "Apparatus of heap, assumed: plate radius 160 mm" in page.read_text(encoding="utf-8")
 
-    [test] = simulated_tests(gf.load(path).bulk_tests)
+    [test] = simulated_tests(gf.load(path).bulk_tests, {})
     origins = {name: origin for name, _, _, origin in test.options}
     assert origins["cylinder_radius"] == "given"
     assert (origins["plate_radius"], origins["views"]) == ("assumed", "")
+
+
+def test_a_given_value_that_is_the_default_stays_given(tmp_path: Path) -> None:
+    setup = gf.load(heap_file(tmp_path, 'cylinder_radius = "60 mm"'))
+    stored = Provenance.from_json(json.loads(json.dumps(asdict(setup.provenance))))
+    [test] = simulated_tests(setup.bulk_tests, stored.options)
+    origins = {name: origin for name, _, _, origin in test.options}
+    assert (origins["cylinder_radius"], origins["plate_radius"]) == ("given", "assumed")
 
 
 def test_a_heap_that_was_never_described_is_said_so(tmp_path: Path) -> None:

@@ -36,6 +36,7 @@ from grainfit.solvers.dem import messages as of_dem
 from grainfit.testing.decks import write_deck
 from grainfit.verdict.messages import STATUS_WORDS
 from grainfit.work_folder import messages as of_work_folder
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 DRUM = grainfit.Problem(
     [grainfit.Parameter("Kohäsion", 0.0, 7e4, unit="J/m^3")],
@@ -590,3 +591,9 @@ def test_a_card_names_the_apparatus(beads: Path) -> None:
     assert "Apparatus of lammps, assumed: " in text
     assert "cylinder radius 60 mm" in text
     assert json.loads(render(material_card(beads), "json"))["apparatus"]
+
+
+def test_a_card_has_what_the_file_gives_as_given_whatever_its_value(beads: Path) -> None:
+    saved = replace(SavedCalibration.open(beads), options={"lammps": ["cylinder_radius"]})
+    text = " ".join(render(material_card(saved), "liggghts").replace("#", " ").split())
+    assert "Apparatus of lammps, given: cylinder radius 60 mm." in text

@@ -83,8 +83,8 @@ def apparatus_of(
     test : BulkTest
         The test.
     given : collection of str, optional
-        Options that were given. Without it those that differ from their defaults, because runs
-        record the value of every option.
+        Options that were given. Without it, as for tests made in Python, those that differ from
+        their defaults, because runs record the value of every option.
     material : mapping of str to float, optional
         Material parameters by dotted name: those that are known.
     walls : mapping of str to str, optional

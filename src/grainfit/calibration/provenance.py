@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,6 +30,8 @@ class Provenance(OneLine):
         Hashes of the photographs that the targets were measured on, by response and file.
     particles : mapping of str to object
         Definition of the particle sizes of the file; empty without any.
+    options : mapping of str to sequence of str
+        Options of the tests that the file gives, itself or by an instrument, by name of the test.
     """
 
     file: str = ""
@@ -39,6 +41,7 @@ class Provenance(OneLine):
     laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     particles: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @property
     def sizes(self) -> ParticleSizes | None:
@@ -56,4 +59,5 @@ class Provenance(OneLine):
             laboratory=dict(data.get("laboratory", {})),
             pictures=data.get("pictures", {}),
             particles=dict(data.get("particles", {})),
+            options=dict(data.get("options", {})),
         )

@@ -135,7 +135,10 @@ class CalibrationSetup(OneLine):
         units = material_units(fixed)
         pictures = hashes_of(self.file.photographed)
         particles = {} if self.file.sizes is None else self.file.sizes.definition()
-        return Provenance(self.file.path.name, text, fixed, units, laboratory, pictures, particles)
+        options = {test.name: list(test.options) for test in self.file.tests}
+        return Provenance(
+            self.file.path.name, text, fixed, units, laboratory, pictures, particles, options
+        )
 
     @property
     def missing_for_time_step(self) -> tuple[str, ...]:

@@ -162,7 +162,8 @@ def _apparatus(
     twins = twins_of(reading)
     for name, test in tests.items():
         shown = name or "the test"
-        yield from apparatus_lines(shown, apparatus_of(test, None, values, walls[name]))
+        given = reading.options.get(name)
+        yield from apparatus_lines(shown, apparatus_of(test, given, values, walls[name]))
         if name in twins:
             smaller = apparatus_of(twins[name], None, values, walls[name])
             yield from apparatus_lines(as_smaller(shown), smaller)

@@ -89,6 +89,8 @@ class SavedCalibration:
         Definitions of the tests of which a smaller apparatus is simulated, by name.
     sizes : ParticleSizes, optional
         Of the calibration file; None where it has none, or is not known.
+    options : mapping of str to sequence of str
+        Options of the tests that the calibration file gives, as far as that is known.
     """
 
     folder: Path
@@ -116,6 +118,7 @@ class SavedCalibration:
     strategy_options: Mapping[str, Any] = field(default_factory=dict)
     laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     sizes: ParticleSizes | None = None
+    options: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, source: str | Path | SavedCalibration) -> SavedCalibration:
@@ -352,6 +355,7 @@ def _saved(
         strategy_options=dict(definition.get("options", {})),
         laboratory=provenance.laboratory,
         sizes=provenance.sizes,
+        options=provenance.options,
     )
 
 

@@ -55,7 +55,7 @@ def answer(context: ReportContext) -> Section:
         time_step=_time_step(result) if result else None,
         cost=_cost(context),
         notices=list(_notices(context, tests)),
-        tests=simulated_tests(_with_twins(context, tests)),
+        tests=simulated_tests(_with_twins(context, tests), context.reading.options),
         has_twins=bool(context.reading.laboratory),
         **next_step(context),
     )

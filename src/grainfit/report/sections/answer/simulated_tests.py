@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from grainfit.bulk_tests.apparatus import apparatus_of, shown_value
@@ -26,14 +26,27 @@ class SimulatedTest:
     options: Sequence[tuple[str, str, str, str]]
 
 
-def simulated_tests(tests: Mapping[str, BulkTest]) -> list[SimulatedTest]:
-    """Return the options of every bulk test, defaults included."""
-    return [SimulatedTest(plain(name), list(_options(test))) for name, test in tests.items()]
+def simulated_tests(
+    tests: Mapping[str, BulkTest], given: Mapping[str, Collection[str]]
+) -> list[SimulatedTest]:
+    """Return the options of every bulk test, defaults included.
+
+    Parameters
+    ----------
+    tests : mapping of str to BulkTest
+        By name.
+    given : mapping of str to collection of str
+        Options that were given, by name of the test, where that is known.
+    """
+    return [
+        SimulatedTest(plain(name), list(_options(test, given.get(name))))
+        for name, test in tests.items()
+    ]
 
 
-def _options(test: BulkTest) -> Iterator[tuple[str, str, str, str]]:
+def _options(test: BulkTest, given: Collection[str] | None) -> Iterator[tuple[str, str, str, str]]:
     values = test.resolved_options()
-    origins = {value.name: value.origin for value in apparatus_of(test)}
+    origins = {value.name: value.origin for value in apparatus_of(test, given)}
     for key in test.option_keys():
         shown = shown_value(key, values.get(key.name))
         if shown:
