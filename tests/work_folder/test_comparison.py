@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from benchmarks import chromium
 from benchmarks.axe import violations
 from grainfit.cli.app import app
 from grainfit.errors import InputError, StoreError
+from grainfit.report.compared.page import write_compared_page
 from grainfit.tables import TextTable
 from grainfit.work_folder import messages
 from grainfit.work_folder.comparison import ComparedValue, compare
@@ -144,6 +146,22 @@ def test_compare_command_writes_a_page_and_a_document(
             part.evaluate(wide) for part in shown.locator(".table-wrap:has(.bars)").all()
         )
         assert faults == []
+
+
+@needs.CHROMIUM
+@pytest.mark.parametrize("width", [1100, 700])
+def test_no_column_of_the_page_is_cut_off_beside_long_names(
+    three: list[SavedCalibration], tmp_path: Path, width: int
+) -> None:
+    long = shutil.copytree(three[2].folder, tmp_path / ("a_long_name_of_a_folder_" * 3))
+    page = tmp_path / "compared.html"
+    write_compared_page(compare([three[0], SavedCalibration.open(long)]), [three[0]] * 2, page)
+    with chromium.browser() as browser:
+        shown = browser.new_page(viewport={"width": width, "height": 900})
+        shown.goto(page.as_uri())
+        tables = shown.locator(".table-wrap:has(.bars)").all()
+        assert len(tables) == 2
+        assert not any(one.evaluate("one => one.scrollWidth > one.clientWidth") for one in tables)
 
 
 def test_compare_command_shows_folders_by_their_names(three: list[SavedCalibration]) -> None:
