@@ -446,12 +446,18 @@ def test_what_ifs_and_other_files_leave_the_result_of_a_calibration(
     text = path.read_text().replace(f"value = {FLOW}", "value = 17.0")
     free = "friction = { min = 0.1, max = 0.9 }"
     elsewhere.write_text(text.replace(free, "friction = 0.2\ncolour = { min = 0, max = 1 }"))
+    before = {path: path.read_bytes() for path in work.rglob("*") if path.is_file()}
     found = gf.predict(elsewhere, tests=["drum"], answer_of=work, settings=["colour=0.5"])
+    assert {path: path.read_bytes() for path in work.rglob("*") if path.is_file()} == before
+    assert (tmp_path / "drum.simulated" / "holdouts.json").is_file()
     assert found["drum"].responses["flow"].measured == 17.0
     fixed, foreign = found.remarks
     shown = f"{answer:.4g}"
     assert of_work_folder.IN_PLACE_OF_FIXED.is_in(fixed, name="friction", value=shown, fixed="0.2")
     assert of_work_folder.OF_ANOTHER_FILE.is_in(foreign, file="drum.toml")
+
+    # In the folder of the calibration, if that is wanted, it is beside the test of that name.
+    gf.predict(elsewhere, tests=["drum"], answer_of=work, settings=["colour=0.5"], workdir=work)
     assert (work / "result.json").read_bytes() == kept
 
     # Neither has changed what this file registered, and what is put back is as it was.

@@ -153,9 +153,7 @@ ANOTHER_MATERIAL = Message(
     "{name} is {value} here and {answer} in the answer: this is not the calibrated material, and "
     "its result stays as it is."
 )
-OF_ANOTHER_FILE = Message(
-    "{file} is not the calibration file of {folder}, whose result stays as it is."
-)
+OF_ANOTHER_FILE = Message("{file} is not the calibration file of {folder}, which stays as it is.")
 IN_PLACE_OF_FIXED = Message("{name} is {value}, as in the answer; the file has {fixed}.")
 NO_POSTERIOR = Message("no parameter set agrees with the tests fitted in {folder!r}: {why}")
 MATERIAL_UNREADABLE = Message(

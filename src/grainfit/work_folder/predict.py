@@ -103,8 +103,8 @@ def predict(
     settings : sequence of str
         ``NAME=VALUE``, for parameters that are to have another value, or have none yet.
     workdir : path, optional
-        Where runs are kept; by default the work folder of the calibration, or the file's name with
-        ``.simulated``. After Ctrl-C, another call continues.
+        Where runs are kept; by default the work folder of the calibration, if it is that of the
+        file, or else the file's name with ``.simulated``. After Ctrl-C, another call continues.
     workers : int, optional
         Runs at a time; by default those of the file.
     on_progress : callable, optional
@@ -148,8 +148,11 @@ def predict(
         require_not_fitted(saved.problem, fitted, holdouts)
     material = asked.material
     require_holdouts(material.problem, {}, holdouts)
-    usual = simulations_folder(setup.file.path) if saved is None else place
+    usual = place if asked.is_of_file else simulations_folder(setup.file.path)
     folder = Path(workdir or usual).absolute()
+    is_elsewhere = saved is not None and folder == saved.folder.absolute() and not asked.is_of_file
+    # The folder of a calibration may have a hold-out of that name of its own.
+    prefix = f"{setup.file.path.name}: " if is_elsewhere else ""
     with ExitStack() as stack:
         executor = None
         if setup.cluster is not None:
@@ -160,7 +163,7 @@ def predict(
         finished = sum(state == "finished" for state in store.states().values())
         text = setup.provenance.text
         known = {
-            one.name: file.register(asked.of_file + one.name, one.measured, text, finished)
+            one.name: file.register(prefix + one.name, one.measured, text, finished)
             for one in holdouts
         }
 
@@ -191,14 +194,14 @@ class _Asked:
         What is another.
     is_kept : bool
         Whether predictions belong to the result of the calibration.
-    of_file : str
-        What the names of hold-outs begin with in registrations: those of two files are two.
+    is_of_file : bool
+        Whether it is that of the calibration of the file itself.
     """
 
     material: Material
     remarks: tuple[str, ...]
     is_kept: bool = False
-    of_file: str = ""
+    is_of_file: bool = False
 
 
 def _asked_of_calibration(
@@ -211,7 +214,7 @@ def _asked_of_calibration(
     foreign = [] if is_own else [messages.OF_ANOTHER_FILE(file=file, folder=str(saved.folder))]
     fixed = in_place_of_fixed(setup, answer, settings)
     remarks = (*setup.outside(settings), *fixed, *others, *foreign)
-    return _Asked(material, remarks, is_own and not others, "" if is_own else f"{file}: ")
+    return _Asked(material, remarks, is_own and not others, is_own)
 
 
 def _chosen(setup: CalibrationSetup, names: Sequence[str]) -> list[Holdout]:

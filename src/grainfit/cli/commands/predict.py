@@ -35,7 +35,8 @@ _SET = "A parameter's value instead of that of the material. Repeat as needed."
 _Workdir = Annotated[
     Path | None,
     workdir_option(
-        "Where runs are kept.", "that of the calibration, or the file's name with .simulated"
+        "Where runs are kept.",
+        "that of FILE's calibration, or FILE with .simulated for another material",
     ),
 ]
 
