@@ -40,6 +40,21 @@ def test_the_relative_is_the_same_test_with_the_softer_modulus(tmp_path: Path) -
     assert loaded(tmp_path, GLASS_BEADS).relatives == {}
 
 
+def test_a_plan_counts_the_runs_of_relatives_and_their_time(tmp_path: Path) -> None:
+    plain = describe_plan(loaded(tmp_path, GLASS_BEADS))
+    found = describe_plan(loaded(tmp_path, GLASS_BEADS + SOFTER))
+    budget = describe_plan(loaded(tmp_path, GLASS_BEADS + SOFTER + "max_runs = 20\n"))
+    assert plain.runs
+    assert found.runs
+    assert budget.runs
+    # Three runs of the test and five of the relative, in place of five.
+    assert found.runs[0] == plain.runs[0] + 2
+    assert 20 < budget.runs[1] <= 22
+    assert plain.seconds
+    assert found.seconds
+    assert found.seconds[0] == pytest.approx(plain.seconds[0], rel=0.1)
+
+
 def test_impossible_softer_particles_are_refused_with_their_line(tmp_path: Path) -> None:
     free = GLASS_BEADS.replace('"0.36 MPa" ', '{ min = "0.1 MPa", max = "1 MPa" } ')
     springs = GLASS_BEADS.replace("[particle_wall]", "[particle_wall]\nnormal_stiffness = 900")

@@ -115,6 +115,25 @@ def test_a_calibration_is_true_with_any_relative(relative: Model) -> None:
     assert all(set(one.runs) == {"heap"} for one in fresh)
 
 
+def test_runs_of_a_relative_count_by_their_cost_in_the_budget() -> None:
+    forecasts: list[gf.Progress] = []
+    problem = replace(problem_at(), relatives=[Relative("heap", 0.1)])
+    result = gf.calibrate(
+        problem,
+        {"heap": PythonCallable(stiff)},
+        relatives={"heap": PythonCallable(soft)},
+        max_runs=18,
+        on_progress=forecasts.append,
+    )
+    assert result.status == "calibrated", result
+    # They were counted as whole runs, so that none were left for fresh seeds.
+    assert result.runs.total > 18
+    assert result.runs.verification >= 3
+    first = forecasts[0].to_come
+    assert first.most is not None
+    assert result.runs.design + 3 <= first.about <= first.most
+
+
 def test_the_verdict_is_that_of_the_runs_of_the_test_alone(tmp_path: Path) -> None:
     result, _ = calibrated(soft, tmp_path / "work")
     saved = SavedCalibration.open(tmp_path / "work")

@@ -34,7 +34,7 @@ from grainfit.campaign.reuse import models_of, runs_of
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
-from grainfit.evaluation import Evaluation, Proposal
+from grainfit.evaluation import Evaluation, Proposal, name_of_test
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import about_other_kind, about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
@@ -56,6 +56,8 @@ _MOST_EQUAL_FAILURES, _MOST_FAILURES = 3, 8
 _ENDED = ("finished", "failed")
 #: Of many fresh seeds that are needed, this part is run before the answer is judged again.
 _PART = 4
+#: Rounding errors of a sum of costs.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -448,7 +450,17 @@ class CalibrationLoop:
 
     def _sets(self, evaluations: Sequence[Evaluation]) -> int:
         """Return the number of parameter sets that take as many runs, rounded up."""
-        return math.ceil(_runs(evaluations) / self._campaign.runs_per_set)
+        return math.ceil(self._cost(evaluations) / self._campaign.runs_per_set)
+
+    def _cost(self, evaluations: Sequence[Evaluation]) -> int:
+        """Return the number of runs of the tests that cost as much: those of relatives cost less.
+
+        Rounded down, as the search does.
+        """
+        costs = {one.name: one.cost or 0.0 for one in self._strategy.problem.relatives}
+        runs = [name_of_test(run) for evaluation in evaluations for run in evaluation.runs]
+        spared = sum(1.0 - costs.get(test, 1.0) for test in runs)
+        return len(runs) - math.ceil(spared - _ROUNDING)
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
         """Return the answer that an earlier start was verifying when it ended."""
@@ -598,7 +610,7 @@ class CalibrationLoop:
             return None
         if not self._problem.tests:
             return self._left()
-        return self._options.max_runs - _runs(self._evaluations)
+        return self._options.max_runs - self._cost(self._evaluations)
 
     def _left(self) -> int | None:
         """Return the number of parameter sets left in the budget."""
@@ -696,6 +708,7 @@ class CalibrationLoop:
             self._options.verification_runs,
             RunsSoFar(
                 _runs(evaluations),
+                self._cost(evaluations),
                 failed,
                 _runs(verified),
                 math.ceil(len(self._fresh_seeds) * campaign.runs_per_set / campaign.tests),

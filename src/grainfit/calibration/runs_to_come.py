@@ -68,8 +68,9 @@ class RunsSoFar:
 
     Parameters
     ----------
-    done, failed, verified : int
-        All of them, those that failed, and those of the verification.
+    done, cost, failed, verified : int
+        All of them, the number of runs of the tests that cost as much, those that failed, and those
+        of the verification.
     to_verify : int
         Verification runs that are asked for, where they are more than the fewest.
     is_design : bool
@@ -77,6 +78,7 @@ class RunsSoFar:
     """
 
     done: int = 0
+    cost: int = 0
     failed: int = 0
     verified: int = 0
     to_verify: int = 0
@@ -120,10 +122,15 @@ def runs_to_come(
     most = runs_of_budget(search, runs_of_a_set, max_runs, verification_runs)
     if most is None:
         return RunsToCome(needed, fewest)
+    left = most - ended.cost
+    if ended.is_design:
+        # Of the cheaper runs of relatives, more are within the budget.
+        spared = search.spared_by_design * each - (ended.done - ended.cost)
+        left += max(math.floor(spared), 0)
     if max_runs is None:
         # The verification is not limited.
-        return RunsToCome(needed, fewest, max(most - ended.done, to_verify))
-    return RunsToCome(needed, fewest, most - ended.done)
+        left = max(left, to_verify)
+    return RunsToCome(needed, fewest, left)
 
 
 def runs_of_budget(

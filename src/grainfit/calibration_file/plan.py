@@ -261,7 +261,8 @@ def _twin_lines(setup: CalibrationSetup) -> Iterator[str]:
 
 
 def _expected_runs(setup: CalibrationSetup) -> ExpectedRuns:
-    runs = expected_runs(setup.file, setup.problem, setup.solvers)
+    problem = replace(setup.problem, relatives=setup.relative_costs)
+    runs = expected_runs(setup.file, problem, setup.solvers)
     if not setup.twins:
         return runs
     return replace(runs, series=series_of_sizes(setup.solvers, setup.twins, setup.problem))

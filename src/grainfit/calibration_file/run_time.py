@@ -13,6 +13,7 @@ from grainfit.calibration.runs_to_come import (
     runs_of_budget,
     runs_to_come,
 )
+from grainfit.calibration.scopes import with_scopes
 from grainfit.calibration_file.content import CalibrationFile
 from grainfit.errors import InputError
 from grainfit.formatting import duration
@@ -64,6 +65,8 @@ class ExpectedRuns:
         Name of the strategy.
     series : SizeSeries, optional
         Sizes at an answer; None without smaller apparatus.
+    spared : float
+        Runs whose time is spared, as those of cheaper relatives take a part of it.
     """
 
     to_come: RunsToCome
@@ -71,6 +74,7 @@ class ExpectedRuns:
     verification: int
     strategy: str
     series: SizeSeries | None = None
+    spared: float = 0.0
 
     @property
     def of_searches(self) -> tuple[int, int]:
@@ -100,7 +104,7 @@ def expected_runs(
     file : CalibrationFile
         The calibration file.
     problem : Problem
-        Its problem.
+        Its problem, with the relatives of its tests.
     solvers : mapping of str to Solver
         By name of the test.
 
@@ -110,12 +114,14 @@ def expected_runs(
         The options of the strategy do not fit the problem.
     """
     budget, runs_of_a_set = file.strategy.max_runs, sum(file.repeats.values())
+    problem = with_scopes(problem, solvers, file.repeats)
     search = _search(file, problem, budget, largest_scatter(problem, solvers, file.repeats))
     return ExpectedRuns(
         runs_to_come(search, runs_of_a_set, budget, _verification(file)),
         math.ceil(search.runs_of_design * runs_of_a_set / len(file.repeats)),
         _verification(file) * runs_of_a_set,
         search.name,
+        spared=search.spared_by_design,
     )
 
 
@@ -184,7 +190,10 @@ class RunTime:
         """Smallest and largest usual wall time in all, s."""
         weights = self.repeats
         mean = sum(weights[test] * s for test, s in self.costs.items()) / sum(weights.values())
-        low, high = (math.ceil(runs / self.workers) * mean for runs in self.runs.of_searches)
+        low, high = (
+            math.ceil((runs - self.runs.spared) / self.workers) * mean
+            for runs in self.runs.of_searches
+        )
         series = self.runs.series
         if series is None:
             return low, high

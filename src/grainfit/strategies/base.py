@@ -167,6 +167,11 @@ class Search(ABC, OneLine):
         return self.design_runs * len(self.problem.scopes)
 
     @property
+    def spared_by_design(self) -> float:
+        """Runs of tests that these proposals spare, as those of relatives cost a part of one."""
+        return 0.0
+
+    @property
     @abstractmethod
     def finished(self) -> bool:
         """Whether there is nothing more to ask."""

@@ -176,6 +176,12 @@ class SequentialSearch(Search):
         return sum(self._design_sizes.values())
 
     @property
+    def spared_by_design(self) -> float:
+        """Runs of tests that the design spares, as those of relatives cost a part of one."""
+        relatives = [one for one in self.problem.relatives if one.cost is not None]
+        return sum((1 - (one.cost or 0.0)) * self._design_sizes[one.name] for one in relatives)
+
+    @property
     def confidence(self) -> float:
         """Demanded probability that every target is met, an option."""
         return self._options.confidence
