@@ -418,3 +418,33 @@ def test_two_tests_of_one_parameter_are_both_run_until_their_scatter_is_known(
     assert result.status == "calibrated"
     assert result.runs.total < 25
     assert result.parameters["x"] == pytest.approx(0.45, abs=0.03)
+
+
+@pytest.mark.parametrize(("design_runs", "failures"), [(4, 0), (None, 1)])
+def test_a_test_with_too_few_runs_for_a_trend_is_run_again(
+    design_runs: int | None, failures: int
+) -> None:
+    failed: list[float] = []
+
+    def angle(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        noise = np.random.default_rng(seed).standard_normal()
+        return {"angle": 10 + 40 * parameters["x"] + 0.5 * noise}
+
+    def flow(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        if len(failed) < failures:
+            failed.append(parameters["x"])
+            raise gf.RunFailedError("it jammed")
+        noise = np.random.default_rng([seed, 2]).standard_normal()
+        return {"flow": 2 + 20 * parameters["x"] + 0.3 * noise}
+
+    targets = [
+        gf.Target("heap.angle", 30.0, tolerance=0.8),
+        gf.Target("funnel.flow", 12.0, tolerance=0.5),
+    ]
+    result = gf.calibrate(
+        gf.Problem([gf.Parameter("x", 0.0, 1.0)], targets),
+        {"heap": PythonCallable(angle), "funnel": PythonCallable(flow)},
+        strategy=gf.Sequential(design_runs=design_runs),
+    )
+    assert len(failed) == failures
+    assert result.status == "calibrated", result

@@ -26,7 +26,7 @@ from grainfit.evaluation import Evaluation, Proposal, Stage
 from grainfit.formatting import in_a_row, number
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
-from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT
+from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT, runs_for_trend
 from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem, Relative, TestScope
 from grainfit.strategies import messages
@@ -75,7 +75,7 @@ def usual_design(dimension: int, tests: int = 1) -> int:
 
     One more than a linear trend has coefficients; what else is needed, the search finds sooner than
     a design. With one or two parameters, two more; with one and several tests three: four runs do
-    not tell a trend from scatter, and a test whose scatter seems hopeless gets no fifth one.
+    not tell a trend from scatter.
     """
     fewest = _SMALL_DESIGN if tests > 1 else min(dimension + 3, _SMALL_DESIGN)
     return max(dimension + 2, fewest)
@@ -346,6 +346,8 @@ class SequentialSearch(Search):
         self._has_ended = False
         if self._belief is None:
             return None if self._pending else self._propose_space_filling()
+        if starving := self._tests_without_trend():
+            return self._propose_space_filling(starving)
         return self._propose_most_useful(self._belief)
 
     def note(self, evaluation: Evaluation) -> None:
@@ -570,11 +572,31 @@ class SequentialSearch(Search):
     def _random(self) -> np.random.Generator:
         return np.random.default_rng([self.seed, len(self._asked)])
 
-    def _propose_space_filling(self) -> Proposal:
+    def _propose_space_filling(self, tests: Sequence[str] | None = None) -> Proposal:
         tried = np.array([self.problem.to_unit(p.parameters) for p in self._asked])
         point = space_filling_point(self.problem, self.known, tried, self._random())
         values = self.problem.from_unit(point)
-        return self._propose(values, "optimisation", self._tests_without_metamodel())
+        asked = self._tests_without_metamodel() if tests is None else self._some(tests)
+        return self._propose(values, "optimisation", asked)
+
+    def _tests_without_trend(self) -> list[str]:
+        """Return the tests, of several with one parameter, that have too few runs for a trend.
+
+        After a small design or a failed run, such a test takes its trend for a hopeless scatter,
+        and would never be run again. One whose runs keep failing, or read one row, is given up.
+        """
+        scopes = self.problem.scopes
+        if self.problem.dimension > 1 or len(scopes) == 1:
+            return []
+        needed, lacking = runs_for_trend(self.problem.dimension), []
+        for scope in scopes:
+            own = [e for e in self.known if e.proposal.asks_for(scope.name)]
+            failed = sum(e.failed_in(scope.name) for e in own)
+            pending = sum(p.asks_for(scope.name) for p in self._pending_proposals)
+            asked = sum(p.asks_for(scope.name) for p in self._asked)
+            if len(own) - failed + pending < needed and asked < 2 * needed:
+                lacking.append(scope.name)
+        return lacking
 
     def _tests_without_metamodel(self) -> tuple[str, ...] | None:
         if not self.problem.tests:
