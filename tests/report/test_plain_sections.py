@@ -31,9 +31,11 @@ from grainfit.formatting import number, rounded
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.measurement.drawing import simplified
 from grainfit.metamodels.outliers import NO_OUTLIERS, Outliers
+from grainfit.plots.labels import Label
 from grainfit.report import messages as of_report
 from grainfit.report import page as report_page
 from grainfit.report import verdict_messages as messages
+from grainfit.report.rows import response_row
 from grainfit.report.section import ReportContext, Section
 from grainfit.report.sections.answer.section import answer
 from grainfit.report.sections.convergence.section import convergence
@@ -42,8 +44,10 @@ from grainfit.report.sections.particles.shown_runs import read_view, shown_runs
 from grainfit.report.sections.reproduce.section import reproduce
 from grainfit.report.sections.runs.section import runs
 from grainfit.report.sections.verification.section import verification
+from grainfit.report.sections.yield_locus.section import rows_of_locus
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import ParameterInterval, Result, RunCounts
+from grainfit.result.parts import ResponseResult, YieldLocus, YieldLocusResult
 from grainfit.run_definition import RunDefinition
 from grainfit.scenes.run_output import snapshot_file
 from grainfit.verdict import messages as of_verdict
@@ -733,3 +737,13 @@ def test_the_command_can_be_pasted_into_a_shell() -> None:
 def test_a_calibration_from_python_says_so() -> None:
     shown = text(reproduce(context(source="", source_text="")))
     assert "started from Python" in shown
+
+
+def test_an_error_that_is_rounding_of_the_computer_is_none_in_any_cell() -> None:
+    target = grainfit.Target("angle", 22.0, tolerance=0.5)
+    found = ResponseResult(22.0, 0.5, "", 22.0, 0.1, 22.0, 1e-15, 4e-15, 0.0, "met", 0.99)
+    row = response_row(Label("angle", "angle", "", ""), target, found)
+    assert row.fresh == "22 ± 0"
+    line = YieldLocus((), (), Response(40.0, 4e-15), Response(26.0, 0.12))
+    cells = rows_of_locus(YieldLocusResult(("one", "other"), line))
+    assert list(cells) == [("Measured", ["40 ± 0", "26.00 ± 0.12"])]

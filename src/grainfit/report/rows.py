@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Literal
 
-from grainfit.formatting import counted, ends, number, rounded, telling, unit_for_people
+from grainfit.formatting import counted, ends, interval, number, rounded, telling, unit_for_people
 from grainfit.materials.card import Determination
 from grainfit.plots.labels import Label
 from grainfit.problem import CurveTarget, Parameter, Target
@@ -120,7 +120,7 @@ def _fresh(found: ResponseResult) -> str:
     mean, half_width = found.verified_mean, found.verified_interval
     if mean is None or half_width is None:
         return ""
-    return f"{rounded(mean, half_width)} ± {rounded(half_width, half_width)}"
+    return interval(mean, half_width)
 
 
 def deviation(found: ResponseResult) -> str:

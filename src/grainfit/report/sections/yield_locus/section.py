@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from grainfit.evaluation import Response
-from grainfit.formatting import plain, rounded
+from grainfit.formatting import interval, plain
 from grainfit.plots.yield_locus_figures import yield_locus_figures
 from grainfit.report.rendering import fill_template
 from grainfit.report.section import ReportContext, Section
@@ -21,12 +21,12 @@ def yield_locus(context: ReportContext) -> Section | None:
         return None
     drawn = yield_locus_figures(context.reading)
     figures = {f"{_KEY}-{index}": figure for index, figure in enumerate(drawn)}
-    tables = [(plain(", ".join(locus.tests)), list(_rows(locus))) for locus in loci]
+    tables = [(plain(", ".join(locus.tests)), list(rows_of_locus(locus))) for locus in loci]
     html = fill_template(f"{_KEY}/page", tables=tables, figures=list(figures))
     return Section(_KEY, _TITLE, html, figures)
 
 
-def _rows(locus: YieldLocusResult) -> Iterator[tuple[str, Sequence[str]]]:
+def rows_of_locus(locus: YieldLocusResult) -> Iterator[tuple[str, Sequence[str]]]:
     """Yield the heading of each line, with its cohesion and its angle."""
     for words, line in (("Measured", locus.measured), ("Expected", locus.expected)):
         if line is not None:
@@ -34,5 +34,4 @@ def _rows(locus: YieldLocusResult) -> Iterator[tuple[str, Sequence[str]]]:
 
 
 def _cell(found: Response) -> str:
-    error = found.standard_error
-    return f"{rounded(found.value, error)} ± {rounded(error, error)}"
+    return interval(found.value, found.standard_error)
