@@ -489,6 +489,17 @@ def test_a_file_of_the_user_with_a_default_name_stays(
     assert Path(name).read_text(encoding="utf-8") == "mine"
 
 
+def test_other_files_beside_pictures_have_no_overlay_to_replace(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("stills").mkdir()
+    for name in ("stills/1.jpg", "stills/notes.txt", "notes_measured.png"):
+        Path(name).touch()
+    done = CliRunner().invoke(app, ["photo", "--test", "slope", "stills", "--overlays", "."])
+    assert not cli_messages.NOT_REPLACED.is_in(str(done.exception))
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -376,15 +376,20 @@ def _groups(pictures: PathLike | Sequence[PathLike | Sequence[PathLike]]) -> lis
     for one in given:
         if not isinstance(one, str | Path):
             groups.append([Path(path) for path in one])
-        elif Path(one).is_dir():
-            found = sorted(p for p in Path(one).iterdir() if is_picture(p) or is_video(p))
-            if not found:
-                raise InputError(messages.NO_PICTURES.fault("pictures", folder=one))
-            groups.append(found)
         else:
-            groups.append([Path(one)])
+            groups.append(pictures_in(Path(one)))
     _require_once([path for group in groups for path in group])
     return groups
+
+
+def pictures_in(path: Path) -> list[Path]:
+    """Return the pictures and videos of a folder; a file as it is."""
+    if not path.is_dir():
+        return [path]
+    found = sorted(one for one in path.iterdir() if is_picture(one) or is_video(one))
+    if not found:
+        raise InputError(messages.NO_PICTURES.fault("pictures", folder=path))
+    return found
 
 
 def _require_once(paths: Sequence[Path]) -> None:

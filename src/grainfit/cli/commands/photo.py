@@ -156,9 +156,10 @@ def photo(
 
 def _require_free_overlays(folder: Path, pictures: list[Path], *, force: bool) -> None:
     from grainfit.photographs.overlay import overlay_places
+    from grainfit.photographs.photo import pictures_in
 
     for given in pictures:
-        for picture in given.iterdir() if given.is_dir() else [given]:
+        for picture in pictures_in(given):
             for place in overlay_places(folder, picture):
                 require_free(place, force=force)
 
