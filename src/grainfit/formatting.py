@@ -168,7 +168,7 @@ def interval(value: float, half_width: float) -> str:
     Examples
     --------
     >>> interval(9.279e6, 4.35e5), interval(22.0034, 0.381)
-    ('9.28·10⁶ ± 4.3·10⁵', '22.00 ± 0.38')
+    ('9.28·10⁶ ± 4.4·10⁵', '22.00 ± 0.38')
     """
     half_width = telling(half_width, value)
     return f"{rounded(value, half_width)} ± {rounded(half_width, half_width)}"
