@@ -6,10 +6,13 @@ import csv
 import io
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from grainfit.cards import render
+import grainfit
+from grainfit.calibration_file.starter import starter_file
+from grainfit.cards import material_card, render
 from grainfit.contact_models import messages as contact_messages
 from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
@@ -131,6 +134,34 @@ def test_programs_read_the_equations_and_what_solvers_compute_in_another_way(
 def test_a_card_of_an_own_model_has_no_contact_law(card: MaterialCard, to: str) -> None:
     text = render(replace(card, contact_models=()), to)
     assert "rolling limit" not in text
+
+
+OWN_MODEL = """\
+[[test]]
+type = "python"
+function = "model.py:simulate"
+targets.slope = { value = 5, uncertainty = 0.5 }
+"""
+
+
+def test_a_card_of_an_own_model_has_the_contact_models_of_its_file(tmp_path: Path) -> None:
+    material = starter_file(["heap"]).partition("\n[[test]]")[0]
+    springs = '\n[contact_models]\ncontact = "linear"\n\n'
+    path = tmp_path / "own.toml"
+    path.write_text(material + springs + OWN_MODEL)
+    (tmp_path / "model.py").write_text(
+        "def simulate(parameters, seed):\n"
+        "    return {'slope': 10 * parameters['particle_particle.sliding_friction']}\n"
+    )
+    grainfit.load(path).calibrate(tmp_path / "own.grainfit", max_runs=12)
+    # What was calibrated counts.
+    path.write_text(material + "\n" + OWN_MODEL)
+
+    card = material_card(tmp_path / "own.grainfit")
+
+    assert card.contact_models == ("linear", "epsd")
+    assert "Contact law: linear and epsd in LIGGGHTS" in render(card, "liggghts")
+    assert "Contact law of the calibration: linear and epsd" in render(card, "mfix")
 
 
 def test_a_card_with_damping_that_its_model_does_not_have_is_refused(card: MaterialCard) -> None:

@@ -32,6 +32,8 @@ class Provenance(OneLine):
         Definition of the particle sizes of the file; empty without any.
     options : mapping of str to sequence of str
         Options of the tests that the file gives, itself or by an instrument, by name of the test.
+    contact_models : tuple of str
+        Contact models of the file that replace the usual ones.
     """
 
     file: str = ""
@@ -42,6 +44,7 @@ class Provenance(OneLine):
     pictures: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     particles: Mapping[str, Any] = field(default_factory=dict)
     options: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    contact_models: tuple[str, ...] = ()
 
     @property
     def sizes(self) -> ParticleSizes | None:
@@ -60,4 +63,5 @@ class Provenance(OneLine):
             pictures=data.get("pictures", {}),
             particles=dict(data.get("particles", {})),
             options=dict(data.get("options", {})),
+            contact_models=tuple(map(str, data.get("contact_models", ()))),
         )

@@ -137,7 +137,15 @@ class CalibrationSetup(OneLine):
         particles = {} if self.file.sizes is None else self.file.sizes.definition()
         options = {test.name: list(test.options) for test in self.file.tests}
         return Provenance(
-            self.file.path.name, text, fixed, units, laboratory, pictures, particles, options
+            self.file.path.name,
+            text,
+            fixed,
+            units,
+            laboratory,
+            pictures,
+            particles,
+            options,
+            self.file.contact_models,
         )
 
     @property

@@ -21,7 +21,6 @@ from grainfit.result import ParameterInterval, ResponseResult
 from grainfit.work_folder.saved_calibration import (
     SavedCalibration,
     bulk_tests_of,
-    contact_models_of,
     read_answer,
     twins_of,
 )
@@ -52,7 +51,7 @@ def make_card(
     rayleigh = _rayleigh_time_step(parameters, sizes)
     # The bed that the card is for is not known: it may be deeper than those of the tests.
     fraction = min([TIME_STEP_FRACTION, *(found.time_step_fraction for found in conditions)])
-    tests = of_hertz(bulk_tests_of(reading), contact_models_of(reading))
+    tests = of_hertz(bulk_tests_of(reading), reading.contact_models)
     stiff = stiffness_notes(reading.problem, tests, reading.fixed, answer.parameters)
     return MaterialCard(
         name=reading.name,
@@ -72,7 +71,7 @@ def make_card(
         identity=reading.identity,
         version=reading.version,
         notices=(*answer.notices, *map(str, answer.holdouts), *stiff),
-        contact_models=_contact_models(reading, parameters) if conditions else (),
+        contact_models=_contact_models(reading, parameters, conditions),
         apparatus=tuple(_apparatus(reading, tests, parameters)),
     )
 
@@ -170,11 +169,13 @@ def _apparatus(
 
 
 def _contact_models(
-    reading: SavedCalibration, parameters: Iterable[CardParameter]
+    reading: SavedCalibration, parameters: Iterable[CardParameter], conditions: list[Conditions]
 ) -> tuple[str, ...]:
-    """Contact models of the runs: chosen ones, the same in all tests of a file, and usual ones."""
+    """Chosen contact models and usual ones; none of an own model whose file chooses none."""
+    if not conditions and not reading.contact_models:
+        return ()
     values = {parameter.name: parameter.value for parameter in parameters}
-    law = contact_law(values, contact_models_of(reading))
+    law = contact_law(values, reading.contact_models)
     return tuple(model.name for model in law.models)
 
 

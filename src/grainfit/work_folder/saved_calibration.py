@@ -91,6 +91,8 @@ class SavedCalibration:
         Of the calibration file; None where it has none, or is not known.
     options : mapping of str to sequence of str
         Options of the tests that the calibration file gives, as far as that is known.
+    contact_models : tuple of str
+        Contact models that replace the usual ones, the same in all tests.
     """
 
     folder: Path
@@ -119,6 +121,7 @@ class SavedCalibration:
     laboratory: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     sizes: ParticleSizes | None = None
     options: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    contact_models: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, source: str | Path | SavedCalibration) -> SavedCalibration:
@@ -262,7 +265,7 @@ class SavedCalibration:
         from grainfit.analysis.soft_particles import known_biases, of_hertz
 
         answer = (self.result.parameters if self.result else None) or None
-        tests = of_hertz(bulk_tests_of(self), contact_models_of(self))
+        tests = of_hertz(bulk_tests_of(self), self.contact_models)
         biases = known_biases(self.problem, tests, self.fixed, answer)
         return {"seed": self.seed, "answer": answer, "biases": biases}
 
@@ -292,9 +295,11 @@ def _recreated(
     return {name: test for name, test in tests.items() if test is not None}
 
 
-def contact_models_of(saved: SavedCalibration) -> tuple[str, ...]:
-    """Return the contact models of the runs that replace the usual ones, the same in all tests."""
-    models = (record.definition.model for record in saved.records.values())
+def _contact_models(runs: Iterable[RunRecord], of_file: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the contact models of the bulk tests; without any, those of the calibration file."""
+    models = [run.definition.model for run in runs if "test" in run.definition.model]
+    if not models:
+        return of_file
     return tuple(dict.fromkeys(name for m in models for name in m.get("contact_models", ())))
 
 
@@ -356,6 +361,7 @@ def _saved(
         laboratory=provenance.laboratory,
         sizes=provenance.sizes,
         options=provenance.options,
+        contact_models=_contact_models(records.values(), provenance.contact_models),
     )
 
 

@@ -24,7 +24,7 @@ from grainfit.report.sections.answer.next_step import next_step
 from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result, RunCounts
-from grainfit.work_folder.saved_calibration import bulk_tests_of, contact_models_of, twins_of
+from grainfit.work_folder.saved_calibration import bulk_tests_of, twins_of
 
 #: Digits of a fixed parameter: it is as it was given.
 _DIGITS = 6
@@ -141,7 +141,7 @@ def _notices(context: ReportContext, tests: Mapping[str, BulkTest]) -> Iterator[
             said += [f"Metamodel of {words}: {warning}" for warning in quality.warnings]
     said += context.analysis.notes
     reading = context.reading
-    tests = of_hertz(tests, contact_models_of(reading))
+    tests = of_hertz(tests, reading.contact_models)
     said += stiffness_notes(reading.problem, tests, reading.fixed, context.answer or None)
     shown = shown_verdict(context).details
     untold = dict.fromkeys(words for words in said if words not in shown)
