@@ -157,6 +157,35 @@ def test_curve_of_a_model_in_its_own_unit(curve_of: Callable[..., CurveTarget]) 
     assert (curve.unit, curve.coordinate_unit) == ("kPa", "%")
 
 
+@pytest.mark.parametrize(
+    ("header", "values", "unit"),
+    [
+        ("strain [%],stress [kPa]", (100, 1300), "Pa"),
+        ("strain (%),stress / kPa", (100, 1300), "Pa"),
+        ("strain,stress\n%,kPa", (100, 1300), "Pa"),
+        ("strain [%],stress (mean)", (0.1, 1.3), ""),
+        ("strain [%],stress [mean]", (0.1, 1.3), ""),
+    ],
+)
+def test_headings_state_the_units_of_a_curve_of_an_own_model(
+    curve_of: Callable[..., CurveTarget], header: str, values: tuple[float, ...], unit: str
+) -> None:
+    curve = curve_of(curve=f"{header}\n1,0.1\n10,1.3\n")
+    assert curve.coordinates == (0.01, 0.1)
+    assert (curve.values, curve.unit) == (values, unit)
+
+
+def test_a_heading_is_converted_to_the_unit_of_the_own_model(
+    curve_of: Callable[..., CurveTarget], fault_of: Callable[..., str]
+) -> None:
+    points = "strain [%],load [N],stress [Pa]\n1,7,100\n10,8,1300\n"
+    own = ', y = "stress", unit = "kPa", coordinate_unit = "%"'
+    curve = curve_of(f'{own}, uncertainty = "20 Pa"', points)
+    assert (curve.coordinates, curve.values) == ((1, 10), (0.1, 1.3))
+    assert curve.uncertainty == pytest.approx([0.02] * 2)
+    assert '"3 Pa"' in fault_of(f"{own}, uncertainty = 3", points)
+
+
 def test_covariance_follows_the_order_of_the_lines(
     curve_of: Callable[..., CurveTarget], tmp_path: Path
 ) -> None:

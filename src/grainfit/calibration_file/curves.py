@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,7 @@ from grainfit.bulk_tests.response_info import CurveInfo
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.targets import Deviation, TargetTable
 from grainfit.errors import Fault, InputError
+from grainfit.files import LARGEST_CURVE
 from grainfit.messages import Message
 from grainfit.options.kinds import Kind, ListOf, Quantity, Schema, Text, note_wrong_kind
 from grainfit.options.paths import Located
@@ -20,7 +22,9 @@ from grainfit.options.tables import Key, Table, Values
 from grainfit.problem import Target
 from grainfit.problem.curve_target import MOST_POINTS, CurveTarget
 from grainfit.table_files.curve_points import Points, note_at, read_covariance, read_points
-from grainfit.table_files.reading import Wanted
+from grainfit.table_files.reading import Wanted, column_of
+from grainfit.table_files.table import Table as HeadedTable
+from grainfit.table_files.table import read_table
 from grainfit.units import UnitError, how_to_write, is_unit, to_si, to_unit
 
 #: Key that makes a target a curve.
@@ -64,9 +68,10 @@ class CurveTable(Kind):
             return None
         known = self
         if self.unit is None:
+            tables = _readable_tables(value, place.findings.folder)
             units = (
-                _own_unit(value, "unit", "y_unit"),
-                _own_unit(value, "coordinate_unit", "x_unit"),
+                _own_unit(value, "unit", "y", tables),
+                _own_unit(value, "coordinate_unit", "x", tables),
             )
             known = replace(self, unit=units[0], coordinate_unit=units[1])
         plain = {key: value[key] for key in _WIDTHS if _is_plain(value.get(key))}
@@ -164,7 +169,7 @@ class CurveTable(Kind):
         if written and written != (own or unit) and not _converts(written, unit, own, place, key):
             return None
         given = "" if written == (own or unit) else written
-        # Only where the unit of the model is known, the heading can state another one.
+        # Without a unit to convert to, no heading states one that can be converted.
         is_fixed = written or unit is None
         return Wanted(
             Quantity(unit), key, given=given if is_fixed else None, unit_key=f"{key}_unit"
@@ -344,17 +349,43 @@ def _repeated(
     return CurveTarget.of_measurements(place.key, curves, **_given(values, "systematic"), **known)
 
 
-def _own_unit(value: dict[str, Any], key: str, of_column: str) -> str | None:
+def _own_unit(
+    value: dict[str, Any], key: str, column: str, tables: Sequence[HeadedTable]
+) -> str | None:
     """Return the unit in which the user's own model yields numbers; None if nothing says it."""
-    named, written = value.get(key), value.get(of_column)
+    named, written = value.get(key), value.get(f"{column}_unit")
     if named is not None:
         return named if isinstance(named, str) and is_unit(named) else None
+    if written is None:
+        written = _stated_unit(value.get(column, "xy".index(column)), tables)
     if not isinstance(written, str):
         return None
     try:
         return to_si(f"1 {written}")[1]
     except UnitError:
         return None
+
+
+def _readable_tables(value: dict[str, Any], folder: Path) -> list[HeadedTable]:
+    """Return the tables of a curve, without those that cannot be read."""
+    listed = value.get(MEASUREMENTS)
+    names = [value.get(CURVE), *(listed if isinstance(listed, list) else ())]
+    found = []
+    for name in names:
+        with suppress(InputError):
+            if isinstance(name, str):
+                found.append(read_table(folder / name, largest=LARGEST_CURVE))
+    return found
+
+
+def _stated_unit(column: Any, tables: Sequence[HeadedTable]) -> str | None:
+    """Return the unit that a heading states for a column, by its name or position."""
+    for table in tables:
+        at = column_of(table, column) if isinstance(column, str) else column
+        for heading in table.headings:
+            if heading.position == at and heading.unit and is_unit(heading.unit):
+                return heading.unit
+    return None
 
 
 def _converts(written: str, unit: str | None, own: str | None, place: Place, key: str) -> bool:
