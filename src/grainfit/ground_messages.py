@@ -29,5 +29,6 @@ NOT_INSTALLED = Message(
 CANNOT_BE_WRITTEN = Message("{path!r} cannot be written: {reason}.")
 NO_COUNT = Message("is {given!r}.", "Give a whole number from 1 on.")
 NO_LIST_OF = Message("are {given}.", "Give a list of {kind} objects.")
+NO_NUMBERS = Message("are {given}.", "Give a list of numbers, or an array.")
 NOT_BY_NAME = Message("is {given}.", "Give values by name: {example}.")
 NOT_ACCEPTED = Message("is {given}.", "Give {wanted}.")

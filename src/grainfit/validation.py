@@ -99,3 +99,30 @@ def kind_faults(name: str, given: object, kinds: Any, wanted: str) -> list[Fault
 def plain(value: Any) -> Any:
     """Return a number of NumPy as one of Python, which can be written as JSON; others unchanged."""
     return value.item() if getattr(value, "ndim", None) == 0 else value
+
+
+def plain_tuple(given: Any) -> Any:
+    """Return a sequence, an array or a Series as a tuple of plain values; others unchanged.
+
+    Examples
+    --------
+    >>> plain_tuple([1, 2.5]), plain_tuple("1 mm"), plain_tuple(3)
+    ((1, 2.5), '1 mm', 3)
+    """
+    if isinstance(given, str):
+        return given
+    try:
+        return tuple(map(plain, given))
+    except TypeError:
+        return given
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def number_list_faults(name: str, given: object) -> list[Fault]:
+    """Return a fault of an argument unless it is a tuple of numbers."""
+    if isinstance(given, tuple) and all(map(_is_number, given)):
+        return []
+    return [messages.NO_NUMBERS.fault(name, given=shortened(given))]

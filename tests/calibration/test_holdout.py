@@ -447,7 +447,7 @@ def test_what_ifs_and_other_files_leave_the_result_of_a_calibration(
     free = "friction = { min = 0.1, max = 0.9 }"
     elsewhere.write_text(text.replace(free, "friction = 0.2\ncolour = { min = 0, max = 1 }"))
     before = {path: path.read_bytes() for path in work.rglob("*") if path.is_file()}
-    found = gf.predict(elsewhere, tests=["drum"], answer_of=work, settings=["colour=0.5"])
+    found = gf.predict(elsewhere, tests=["drum"], answer_of=gf.open(work), settings=["colour=0.5"])
     assert {path: path.read_bytes() for path in work.rglob("*") if path.is_file()} == before
     assert (tmp_path / "drum.simulated" / "holdouts.json").is_file()
     assert found["drum"].responses["flow"].measured == 17.0

@@ -6,12 +6,14 @@ import math
 from collections.abc import Callable
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.stats import lognorm, weibull_min
 
+from grainfit import ground_messages
 from grainfit.errors import InputError
 from grainfit.materials.size_distributions import (
     LogNormal,
@@ -19,6 +21,7 @@ from grainfit.materials.size_distributions import (
     SieveCurve,
     SizeDistribution,
 )
+from grainfit.materials.sizes import ParticleSizes
 
 LOG_NORMALS = st.builds(
     LogNormal,
@@ -181,3 +184,20 @@ def test_impossible_distributions_are_refused(
     [fault] = caught.value.faults
     assert fault.key == key
     assert words in fault.message
+
+
+def test_arrays_are_sequences_of_sizes() -> None:
+    sizes = ParticleSizes(np.array([0.005, 0.006]), np.array([0.5, 0.5]), np.float64(2))
+    assert repr(sizes.definition()) == repr(
+        ParticleSizes((0.005, 0.006), (0.5, 0.5), 2.0).definition()
+    )
+    curve = SieveCurve(np.array([0.001, 0.002]), np.array([0.0, 1.0]))
+    assert curve == SieveCurve((0.001, 0.002), (0.0, 1.0))
+
+
+@pytest.mark.parametrize("given", [np.array(["5 mm", "6 mm"]), np.array(0.5), np.int64(1)])
+def test_sizes_that_are_no_numbers_are_named(given: object) -> None:
+    for make in (ParticleSizes, SieveCurve):
+        with pytest.raises(InputError) as caught:
+            make(given, (0.5, 0.5))  # type: ignore[operator]
+        assert ground_messages.NO_NUMBERS.is_in(str(caught.value))

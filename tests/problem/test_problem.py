@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,7 +16,8 @@ from hypothesis import strategies as st
 from grainfit.errors import InputError
 from grainfit.materials import messages as of_materials
 from grainfit.materials.time_step import RayleighTimeStep
-from grainfit.problem import Parameter, Problem, Target, TestScope
+from grainfit.materials.wall_friction import friction_of_angle
+from grainfit.problem import CurveTarget, Parameter, Problem, Target, TestScope
 from grainfit.problem import messages as of_problem
 from grainfit.problem.quantities import shown
 
@@ -46,6 +48,21 @@ def test_log_scale_has_its_middle_at_the_geometric_mean() -> None:
 def test_impossible_intervals_are_refused(low: float, high: float, scale: str, word: str) -> None:
     with pytest.raises(InputError, match=word):
         Parameter("friction", low, high, scale)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("several", [np.array([1.0, 2.0]), pd.Series([1.0, 2.0])])
+def test_several_numbers_or_names_are_none(several: Any) -> None:
+    for make, message in (
+        (lambda: Target("x", several), of_problem.NO_NUMBER),
+        (lambda: Target(several, 1.0), of_problem.NO_TARGET_NAME),
+        (lambda: CurveTarget(several, [1, 2], [1, 2], 0.1), of_problem.NO_TARGET_NAME),
+        (lambda: Parameter(several, 0, 1), of_problem.NO_PARAMETER_NAME),
+        (lambda: Target.of_measurements("x", np.array(0.5)), of_problem.FEW_MEASUREMENTS),
+        (lambda: friction_of_angle(several), of_materials.NO_ANGLE),
+    ):
+        with pytest.raises(InputError) as caught:
+            make()
+        assert message.is_in(str(caught.value))
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])

@@ -130,7 +130,7 @@ def test_the_answer_of_a_calibration_is_simulated_in_another_file(tmp_path: Path
     calibrated = gf.load("sand.toml").calibrate(max_runs=12, workdir="of a 'jar'")
     other = FILE.replace("max = 0.9", "max = 0.8").replace("value = 20", "value = 25")
     (tmp_path / "other.toml").write_text(other)
-    runs = gf.repeat_runs("other.toml", repeat=2, answer_of="of a 'jar'")
+    runs = gf.repeat_runs("other.toml", repeat=2, answer_of=gf.open("of a 'jar'"))
     assert runs.parameters == calibrated.parameters
     runs = gf.repeat_runs("other.toml", settings=["friction=0.3"], answer_of="of a 'jar'")
     assert runs.parameters == {"friction": 0.3}

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit import ground_messages
 from grainfit.analysis import messages
 from grainfit.analysis.size_trend import Prediction, predict, together
 from grainfit.bulk_tests.registry import BUILT_IN
@@ -99,6 +100,7 @@ def test_the_form_of_the_trend_is_an_error_that_more_series_do_not_lower() -> No
         ({"times": [1.0]}, messages.FEW_SIZES),
         ({"times": [1.0, -2.0]}, messages.NO_SIZE),
         ({"times": [1.0, 2.0], "to": float("nan")}, messages.NO_SIZE),
+        ({"times": [1.0, 2.0], "to": np.array([1.0, 2.0])}, ground_messages.NO_NUMBERS),
         ({"times": [1.0, 1e-4]}, messages.IMPOSSIBLE_SIZE),
     ],
 )

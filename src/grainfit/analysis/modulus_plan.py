@@ -18,7 +18,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
-from grainfit.validation import whole_number_faults
+from grainfit.validation import number_list_faults, plain_tuple, whole_number_faults
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,8 @@ class ModulusPlan:
 
     def __post_init__(self) -> None:
         faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
+        faults += number_list_faults("factors", plain_tuple(self.factors))
+        InputError.raise_for(faults)
         wrong = [f for f in self.factors if not (math.isfinite(f) and f > 0)]
         if wrong:
             faults.append(messages.NO_FACTOR.fault("factors", factor=wrong[0]))

@@ -23,7 +23,7 @@ from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.tables import Summary, TextTable
-from grainfit.validation import whole_number_faults
+from grainfit.validation import number_list_faults, plain_tuple, whole_number_faults
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,9 @@ class SizePlan:
 
     def __post_init__(self) -> None:
         faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
+        faults += number_list_faults("times", plain_tuple(self.times))
+        faults += number_list_faults("to", (self.to,))
+        InputError.raise_for(faults)
         given = [*(("times", one) for one in self.times), ("to", self.to)]
         wrong = [(key, one) for key, one in given if not (math.isfinite(one) and one > 0)]
         if wrong:

@@ -29,6 +29,7 @@ from grainfit.materials.sizes import LARGEST_DIAMETER, SMALLEST_DIAMETER
 from grainfit.one_line import OneLine
 from grainfit.options.fields import Amount, option, option_keys, read_options
 from grainfit.options.kinds import Quantity
+from grainfit.validation import number_list_faults, plain_tuple
 
 DIAMETER = Quantity("m", lowest=SMALLEST_DIAMETER, highest=LARGEST_DIAMETER)
 #: Rounding of percentages in sieve curves.
@@ -244,8 +245,10 @@ class SieveCurve(SizeDistribution):
     passing_shares: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "openings", tuple(map(float, self.openings)))
-        object.__setattr__(self, "passing_shares", tuple(map(float, self.passing_shares)))
+        for key in ("openings", "passing_shares"):
+            given = plain_tuple(getattr(self, key))
+            InputError.raise_for(number_list_faults(key, given))
+            object.__setattr__(self, key, tuple(map(float, given)))
         found = point_faults(self.openings, self.passing_shares)
         InputError.raise_for(replace(fault, key=f"point {i + 1}") for i, fault in found)
 

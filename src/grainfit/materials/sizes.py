@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -12,8 +12,10 @@ from grainfit.formatting import millimetres, percent
 from grainfit.materials import messages
 from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
 from grainfit.one_line import OneLine
+from grainfit.validation import as_number, number_list_faults, plain, plain_tuple
 
 if TYPE_CHECKING:
+    from grainfit.arrays import Array
     from grainfit.materials.clumps import Clump
 
 #: Diameters that particles can have, m.
@@ -44,9 +46,9 @@ class ParticleSizes(OneLine):
 
     Parameters
     ----------
-    diameters : tuple of float
+    diameters : sequence of float
         Sphere diameters, m; of clumps, those of spheres of equal volume.
-    mass_fractions : tuple of float
+    mass_fractions : sequence of float
         Share of the mass in each diameter (as a sieve gives it); sums to one.
     coarse_graining : float
         Number of real diameters in a simulated one: the diameters are those of the simulation.
@@ -68,8 +70,26 @@ class ParticleSizes(OneLine):
     shape: ParticleShape | None = None
     origin: Origin | None = field(default=None, compare=False, repr=False)
 
+    if TYPE_CHECKING:
+        # Arrays are read: attributes are tuples.
+        def __init__(
+            self,
+            diameters: Sequence[float] | Array,
+            mass_fractions: Sequence[float] | Array = (1.0,),
+            coarse_graining: float = 1.0,
+            shape: ParticleShape | None = None,
+            origin: Origin | None = None,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
-        if not 1 <= self.coarse_graining <= LARGEST_FACTOR:
+        for key in ("diameters", "mass_fractions"):
+            object.__setattr__(self, key, plain_tuple(getattr(self, key)))
+        object.__setattr__(self, "coarse_graining", plain(self.coarse_graining))
+        InputError.raise_for(
+            number_list_faults("particle.diameter", self.diameters)
+            + number_list_faults("mass_fractions", self.mass_fractions)
+        )
+        if not 1 <= as_number(self.coarse_graining) <= LARGEST_FACTOR:
             raise InputError(
                 messages.COARSE_GRAINING.fault(
                     "particle.coarse_graining", factor=self.coarse_graining, largest=LARGEST_FACTOR

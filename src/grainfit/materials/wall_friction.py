@@ -11,7 +11,9 @@ import math
 
 from grainfit.errors import Fault, InputError
 from grainfit.materials import messages
+from grainfit.one_line import shortened
 from grainfit.units import UnitError, to_unit
+from grainfit.validation import as_number, plain
 
 #: Parameters that are the tangent of an angle.
 MEASURED_BY_ANGLE = ("particle_wall.sliding_friction", "particle_wall.rolling_friction")
@@ -74,9 +76,10 @@ def friction_about(
 
 def _degrees(key: str, given: float | str) -> float:
     try:
-        angle = to_unit(given, "deg") if isinstance(given, str) else float(given)
+        angle = to_unit(given, "deg") if isinstance(given, str) else as_number(plain(given))
     except UnitError as error:
         raise InputError(Fault(key, error.message, error.remedy)) from None
     if 0 <= angle < STEEPEST:
         return angle
-    raise InputError(messages.NO_ANGLE.fault(key, given=given, steepest=STEEPEST))
+    shown = given if isinstance(given, str) else shortened(plain(given))
+    raise InputError(messages.NO_ANGLE.fault(key, given=shown, steepest=STEEPEST))

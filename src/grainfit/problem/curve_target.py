@@ -20,7 +20,7 @@ from grainfit.problem import messages
 from grainfit.problem.correlations import symmetric_matrix
 from grainfit.student import student_factor
 from grainfit.units import percentage
-from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
+from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable, plain
 
 #: Most points of a measured curve: the effort grows with their cube, and more say hardly more.
 MOST_POINTS = 400
@@ -112,7 +112,7 @@ class CurveTarget:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        if not self.name or not isinstance(self.name, str):
+        if not isinstance(self.name, str) or not self.name:
             raise InputError(messages.NO_TARGET_NAME.fault("curve"))
         for key in ("coordinates", "values"):
             object.__setattr__(self, key, self._numbers(key, getattr(self, key)))
@@ -344,6 +344,7 @@ class RepeatedCurves:
             or have something else than as many finite numbers on both axes, in order.
         """
         key = f"{name}.measurements"
+        curves = plain(curves)
         read = [_pair(key, curve) for curve in curves] if isinstance(curves, Iterable) else []
         if len(read) < 2:
             raise InputError(messages.FEW_CURVES.fault(key))

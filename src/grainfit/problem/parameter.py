@@ -108,7 +108,7 @@ class Parameter:
         return cls(name, low, high, measured=value, uncertainty=spread)
 
     def __post_init__(self) -> None:
-        if not self.name or not isinstance(self.name, str):
+        if not isinstance(self.name, str) or not self.name:
             raise InputError(messages.NO_PARAMETER_NAME.fault("parameter"))
         known = material_parameter(self.name)
         unit = known.unit if known else None

@@ -12,7 +12,7 @@ from grainfit.validation import as_number
 
 def shown(value: object) -> str:
     """Return an argument for a message."""
-    return repr(value) if isinstance(value, str) else str(value)
+    return repr(value) if isinstance(value, str) else " ".join(str(value).split())
 
 
 def make_plain(owner: object, *keys: str) -> None:

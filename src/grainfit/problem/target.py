@@ -15,7 +15,7 @@ from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
 from grainfit.student import NORMAL_QUANTILE, student_factor
 from grainfit.units import percentage
-from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
+from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable, plain
 
 #: Relative tolerance of a target for which neither an uncertainty nor a tolerance is given.
 DEFAULT_RELATIVE_TOLERANCE = 0.02
@@ -218,13 +218,13 @@ def _require_shares(target: Target) -> None:
     InputError.raise_for(
         messages.SHARE_OF_ZERO.fault(f"{target.name}.{key}", given=shown(text))
         for key, text in given.items()
-        if target.value == 0 and isinstance(text, str) and percentage(text) is not None
+        if isinstance(text, str) and percentage(text) is not None and as_number(target.value) == 0
     )
 
 
 def _target_faults(target: Target) -> Iterator[Fault]:
     name = target.name
-    if not name or not isinstance(name, str):
+    if not isinstance(name, str) or not name:
         yield messages.NO_TARGET_NAME.fault("target")
         return
     known = get_args(Statistic)
@@ -337,6 +337,7 @@ def read_measurements(
     unit : str
         Their unit; by default that of the first quantity.
     """
+    measurements = plain(measurements)
     is_list = isinstance(measurements, Iterable) and not isinstance(measurements, str)
     given = list(measurements) if is_list else []
     keys = {str(number): "measurements" for number in range(len(given))}

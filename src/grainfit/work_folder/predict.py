@@ -82,7 +82,7 @@ class Predictions(Summary):
 def predict(
     source: str | Path | CalibrationSetup,
     *,
-    answer_of: str | Path | None = None,
+    answer_of: str | Path | SavedCalibration | None = None,
     tests: Sequence[str] = (),
     settings: Sequence[str] = (),
     workdir: str | Path | None = None,
@@ -95,9 +95,9 @@ def predict(
     ----------
     source : path or CalibrationSetup
         Calibration file with the tests: its ``[[holdout]]``, which need no measured values.
-    answer_of : path, optional
-        The material: work folder of a calibration, by default that of the file; or a material card
-        (JSON) or a TOML file with values of the parameters.
+    answer_of : path or SavedCalibration, optional
+        The material: a calibration or its work folder, by default that of the file; or a material
+        card (JSON) or a TOML file with values of the parameters.
     tests : sequence of str
         Names of tests of the file, ``[[test]]`` included; by default every hold-out.
     settings : sequence of str
@@ -136,8 +136,10 @@ def predict(
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
     workers = setup.workers if workers is None else workers
     InputError.raise_for(whole_number_faults({"workers": workers}))
-    place = Path(answer_of or default_workdir(setup.file.path))
-    saved = SavedCalibration.open(place) if answer_of is None or place.is_dir() else None
+    given = answer_of or default_workdir(setup.file.path)
+    place = given.folder if isinstance(given, SavedCalibration) else Path(given)
+    is_saved = answer_of is None or place.is_dir()
+    saved = SavedCalibration.of(given) if is_saved else None
     holdouts = _chosen(setup, tests)
     if saved is None:
         material = material_of_file(setup, place, settings)

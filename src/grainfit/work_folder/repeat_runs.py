@@ -28,7 +28,7 @@ def repeat_runs(
     repeat: int = 10,
     seed: int = 1,
     settings: Sequence[str] = (),
-    answer_of: str | Path | None = None,
+    answer_of: str | Path | SavedCalibration | None = None,
     workdir: str | Path | None = None,
     workers: int | None = None,
     on_start: Callable[[ExpectedWork], None] | None = None,
@@ -48,8 +48,8 @@ def repeat_runs(
         The first insertion seed; the others follow it.
     settings : sequence of str
         ``NAME=VALUE``; free parameters that are not set take the middle of their interval.
-    answer_of : path, optional
-        Work folder of a calibration, whose answer takes the place of the middle: simulate it in
+    answer_of : path or SavedCalibration, optional
+        A calibration or its work folder, whose answer takes the place of the middle: simulate it in
         another test, at another size, with another solver.
     workdir : path, optional
         Where runs are kept; by default the file's name with ``.simulated``, here. After Ctrl-C,
@@ -87,7 +87,7 @@ def repeat_runs(
     _require_counts(repeat=repeat, seed=seed, workers=workers)
     answer: Mapping[str, float] = {}
     if answer_of is not None:
-        answer = answer_for(setup, SavedCalibration.open(answer_of), settings)
+        answer = answer_for(setup, SavedCalibration.of(answer_of), settings)
     values = setup.values(settings, answer)
     proposals = [Proposal(values, seed + number, "design") for number in range(repeat)]
     evaluations = simulate_batch(
