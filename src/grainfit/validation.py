@@ -101,6 +101,12 @@ def plain(value: Any) -> Any:
     return value.item() if getattr(value, "ndim", None) == 0 else value
 
 
+def set_plain(owner: object, *keys: str) -> None:
+    """Make numbers of NumPy among the attributes of a frozen dataclass ones of Python."""
+    for key in keys:
+        object.__setattr__(owner, key, plain(getattr(owner, key)))
+
+
 def plain_tuple(given: Any) -> Any:
     """Return a sequence, an array or a Series as a tuple of plain values; others unchanged.
 

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ from grainfit.problem import TestScope
 from grainfit.run_definition import RunDefinition
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.run_costs import RunCosts
+from grainfit.which_test.simulation import Simulation
 
 calls: list[int] = []
 interrupt_at: list[int] = []
@@ -372,3 +374,14 @@ def test_repeats_in_a_file_must_be_a_count(tmp_path: Path, given: str) -> None:
     (tmp_path / "sand.toml").write_text(FILE % given)
     with pytest.raises(InputError, match="repeats"):
         load_calibration(tmp_path / "sand.toml")
+
+
+@pytest.mark.parametrize("given", [np.int64(2), {"simulate": np.int32(2)}])
+def test_counts_of_numpy_are_whole_numbers(given: Any, tmp_path: Path) -> None:
+    result = gf.calibrate(problem(), drum, repeats=given, max_runs=24, workdir=tmp_path)
+    assert result.runs.total > 0
+    scope = TestScope("heap", ["heap.angle"], ["friction"], repeats=np.int64(4))
+    holdout = gf.Holdout("drum", drum, [gf.Target("angle", 20.0)], repeats=np.int64(4))
+    assert {type(scope.repeats), type(holdout.repeats)} == {int}
+    plan = Simulation(tmp_path, np.int64(1), np.int64(2))
+    assert (type(plan.workers), type(plan.seeds)) == (int, int)

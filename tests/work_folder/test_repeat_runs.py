@@ -52,7 +52,7 @@ def calls() -> list[int]:
 
 @pytest.mark.usefixtures("sand")
 def test_mean_and_scatter_are_those_of_the_seeds_and_only_missing_runs_are_made() -> None:
-    first = gf.repeat_runs("sand.toml", repeat=4, seed=3)
+    first = gf.repeat_runs("sand.toml", repeat=np.int64(4), seed=np.int64(3))
     assert sorted(calls()) == [3, 4, 5, 6]
     works: list[ExpectedWork] = []
     progress: list[tuple[int, int]] = []

@@ -18,7 +18,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.evaluation import Evaluation, Proposal
 from grainfit.problem import Problem
 from grainfit.solvers.base import Solver
-from grainfit.validation import number_list_faults, plain_tuple, whole_number_faults
+from grainfit.validation import number_list_faults, plain_tuple, set_plain, whole_number_faults
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,7 @@ class ModulusPlan:
     timeouts: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        set_plain(self, "seeds", "workers")
         faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
         faults += number_list_faults("factors", plain_tuple(self.factors))
         InputError.raise_for(faults)

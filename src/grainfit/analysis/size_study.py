@@ -23,7 +23,7 @@ from grainfit.one_line import OneLine
 from grainfit.problem import Problem, Target
 from grainfit.solvers.base import Solver
 from grainfit.tables import Summary, TextTable
-from grainfit.validation import number_list_faults, plain_tuple, whole_number_faults
+from grainfit.validation import number_list_faults, plain_tuple, set_plain, whole_number_faults
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,7 @@ class SizePlan:
     executor: Executor | None = None
 
     def __post_init__(self) -> None:
+        set_plain(self, "seeds", "workers")
         faults = whole_number_faults({"seeds": self.seeds, "workers": self.workers})
         faults += number_list_faults("times", plain_tuple(self.times))
         faults += number_list_faults("to", (self.to,))

@@ -399,13 +399,15 @@ def _by_test(key: str, given: Mapping[str, Solver]) -> dict[str, Solver]:
 def _repeats(given: int | Mapping[str, int], solvers: Mapping[str, Solver]) -> dict[str, int]:
     """Return the given runs per evaluation by name of the test."""
     if not isinstance(given, Mapping):
-        InputError.raise_for(whole_number_faults({"repeats": given}))
+        count = plain(given)
+        InputError.raise_for(whole_number_faults({"repeats": count}))
         # One run is the default, and leaves what the problem says of its tests.
-        return {} if given == 1 else dict.fromkeys(solvers, given)
-    faults = whole_number_faults({f"repeats.{test}": count for test, count in given.items()})
-    faults += _faults_of_names("repeats", given, solvers)
+        return {} if count == 1 else dict.fromkeys(solvers, count)
+    counts = {test: plain(count) for test, count in given.items()}
+    faults = whole_number_faults({f"repeats.{test}": count for test, count in counts.items()})
+    faults += _faults_of_names("repeats", counts, solvers)
     InputError.raise_for(faults)
-    return dict(given)
+    return counts
 
 
 def _faults_of_names(key: str, tests: Iterable[str], solvers: Mapping[str, Solver]) -> list[Fault]:

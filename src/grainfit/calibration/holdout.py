@@ -33,7 +33,7 @@ from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Solver
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.strategies.seeds import holdout_seed
-from grainfit.validation import list_faults, whole_number_faults
+from grainfit.validation import list_faults, set_plain, whole_number_faults
 from grainfit.verdict.options import HOLDOUT
 
 if TYPE_CHECKING:
@@ -92,6 +92,7 @@ class Holdout(OneLine):
         key = f"holdout {self.name}"
         faults = list_faults(f"{key}, targets", self.targets, Target)
         faults += list_faults(f"{key}, curves", self.curves, CurveTarget)
+        set_plain(self, "repeats")
         faults += whole_number_faults({f"{key}, repeats": self.repeats})
         if not isinstance(self.solver, Solver) and not callable(self.solver):
             faults.append(messages.NO_SOLVER.fault(f"{key}, solver", given=self.solver))

@@ -11,7 +11,7 @@ from grainfit.one_line import OneLine
 from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain
 from grainfit.relative_names import relative_name
-from grainfit.validation import as_number, whole_number_faults
+from grainfit.validation import as_number, set_plain, whole_number_faults
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,7 @@ class TestScope(OneLine):
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
             raise InputError(messages.NO_TEST_NAME.fault("test", given=self.name))
+        set_plain(self, "repeats")
         InputError.raise_for(whole_number_faults({f"{self.name}.repeats": self.repeats}))
         for key in ("targets", "parameters"):
             names = getattr(self, key)

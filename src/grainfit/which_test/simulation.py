@@ -13,7 +13,7 @@ from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, response_name
 from grainfit.formatting import counted
 from grainfit.solvers.base import Solver
-from grainfit.validation import as_number, whole_number_faults
+from grainfit.validation import as_number, set_plain, whole_number_faults
 from grainfit.which_test import messages
 from grainfit.which_test.available import AvailableTests
 from grainfit.which_test.candidate import AccuracyOf, Candidate, seconds_of
@@ -63,6 +63,7 @@ class Simulation:
     on_progress: Callable[[int, int], None] | None = None
 
     def __post_init__(self) -> None:
+        set_plain(self, "seeds", "workers")
         counts = {} if self.seeds is None else {"seeds": self.seeds}
         faults = whole_number_faults({**counts, "workers": self.workers})
         if self.max_seconds is not None and not as_number(self.max_seconds) > 0:

@@ -32,7 +32,7 @@ from grainfit.options.kinds import suggest
 from grainfit.result import HoldoutResult
 from grainfit.solvers.base import Solver
 from grainfit.tables import Summary
-from grainfit.validation import whole_number_faults
+from grainfit.validation import plain, whole_number_faults
 from grainfit.work_folder import messages
 from grainfit.work_folder.given_material import (
     answer_for,
@@ -134,7 +134,7 @@ def predict(
     'predicts'
     """
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
-    workers = setup.workers if workers is None else workers
+    workers = setup.workers if workers is None else plain(workers)
     InputError.raise_for(whole_number_faults({"workers": workers}))
     given = answer_of or default_workdir(setup.file.path)
     place = given.folder if isinstance(given, SavedCalibration) else Path(given)

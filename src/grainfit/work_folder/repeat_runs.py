@@ -16,7 +16,7 @@ from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation, Proposal, Response, response_name
 from grainfit.formatting import in_a_row
 from grainfit.strategies.seeds import LARGEST_SEED
-from grainfit.validation import whole_number_faults
+from grainfit.validation import plain, whole_number_faults
 from grainfit.work_folder import messages
 from grainfit.work_folder.given_material import answer_for, in_place_of_fixed
 from grainfit.work_folder.saved_calibration import SavedCalibration
@@ -83,7 +83,8 @@ def repeat_runs(
     >>> runs["angle_of_repose"].standard_deviation  # doctest: +SKIP
     """
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
-    workers = setup.workers if workers is None else workers
+    workers = setup.workers if workers is None else plain(workers)
+    repeat, seed = plain(repeat), plain(seed)
     _require_counts(repeat=repeat, seed=seed, workers=workers)
     answer: Mapping[str, float] = {}
     if answer_of is not None:
