@@ -502,6 +502,12 @@ def test_an_exported_table_can_be_calibrated_on_and_imported_as_it_is(sand: Path
     grainfit("runs", "import", sand, "theirs.csv", "--workdir", "imported")
     made = {r.identity: r.responses for r in stored(Path("theirs"))}
     assert {r.identity: r.responses for r in stored(Path("imported"))} == made
+    times = [
+        {r.identity: (r.seconds, int(r.ended)) for r in stored(Path(folder))}
+        for folder in ("imported", "theirs")
+    ]
+    assert times[0] == times[1]
+    assert all(seconds > 0 for seconds, _ in times[0].values())
     how = 'type = "python"\nfunction = "model.py:drum"'
     table = 'type = "table"\nfile = "theirs.csv"\nnearest = true'
     file = sand.with_name("table.toml")

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 from grainfit.bulk_tests.registry import bulk_tests
@@ -25,6 +26,7 @@ from grainfit.work_folder import messages
 _MOST_FAULTS = 50
 #: Columns of tables that grainfit has written.
 _IDENTITY_COLUMN, _TEST_COLUMN = "identity", "test"
+_SECONDS_COLUMN, _ENDED_COLUMN = "seconds", "ended"
 _LARGEST_SEED = 2**63 - 1
 
 
@@ -42,12 +44,17 @@ class TableRow:
         Responses of the run.
     seed : int, optional
         Its insertion seed, when the table gives one.
+    seconds, ended : float
+        Its wall time, s, and its end, seconds since the epoch, of a table that grainfit has
+        written; else 0.
     """
 
     line: int
     parameters: Mapping[str, float]
     responses: Mapping[str, Response]
     seed: int | None = None
+    seconds: float = 0.0
+    ended: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -101,9 +108,10 @@ class _Reader:
         scopes = {scope.name: scope.parameters for scope in setup.problem.tests}
         self._free = list(scopes.get(test.name, names))
         self._fixed = setup.file.fixed
+        self._ended: int | None = None
         self._responses = _response_quantities(test)
         self._needed = list(dict.fromkeys([*self._free, *(t.name for t in test.targets)]))
-        self._of_others = {*names}.union(*map(_response_quantities, setup.file.tests))
+        self._of_file = {*names, *self._fixed}.union(*map(_response_quantities, setup.file.tests))
 
     def read(self) -> ImportTable:
         self._require_numbers()
@@ -112,7 +120,8 @@ class _Reader:
         found = self._columns(table)
         names = {at: name for name, at in found.items()}
         wanted = {at: self._wanted(name) for at, name in names.items()}
-        texts = [column_of(table, name) for name in (SEED_COLUMN, _TEST_COLUMN)]
+        ended = self._ended = self._own_column(table, _ENDED_COLUMN)
+        texts = [*(column_of(table, name) for name in (SEED_COLUMN, _TEST_COLUMN)), ended]
         reading = Reading(table, wanted, self._faults, [at for at in texts if at is not None])
         self._note_slips(reading, found)
         if not table.rows and not self._faults.found:
@@ -146,7 +155,7 @@ class _Reader:
     def _take_further_responses(self, table: Table) -> None:
         """Add responses that are no targets, in a table that grainfit has written."""
         texts = {one.text for one in table.headings}
-        for name in texts - self._of_others:
+        for name in texts - self._of_file:
             if f"{name}{ERROR_SUFFIX}" in texts:
                 self._responses.setdefault(name, Quantity(None))
 
@@ -158,10 +167,19 @@ class _Reader:
         errors = [f"{name}{ERROR_SUFFIX}" for name in self._responses]
         others = [*self._fixed, *self._responses, *errors]
         found = needed | {name: column_of(table, name) for name in others if name not in needed}
+        if _SECONDS_COLUMN not in found:
+            found[_SECONDS_COLUMN] = self._own_column(table, _SECONDS_COLUMN)
         return {name: at for name, at in found.items() if at is not None}
+
+    def _own_column(self, table: Table, name: str) -> int | None:
+        """Return the position of a column about the runs, in a table that grainfit has written."""
+        is_own = column_of(table, _IDENTITY_COLUMN) is not None and name not in self._of_file
+        return column_of(table, name) if is_own else None
 
     def _wanted(self, name: str) -> Wanted:
         response = name.removesuffix(ERROR_SUFFIX)
+        if name == _SECONDS_COLUMN and name not in self._of_file:
+            return Wanted(Quantity("s", lowest=0.0), name, may_be_empty=True)
         if name in self._responses:
             quantity = self._responses[name]
         elif response != name and response in self._responses:
@@ -198,6 +216,8 @@ class _Reader:
                 if name in values
             },
             None if seed is None else self._seed(row.line, row.cells[seed]),
+            0.0 if _SECONDS_COLUMN in self._of_file else values.get(_SECONDS_COLUMN, 0.0),
+            0.0 if self._ended is None else _moment(row.cells[self._ended]),
         )
 
     def _note_other_material(self, line: int, name: str, value: float) -> None:
@@ -224,6 +244,14 @@ class _Reader:
             for row in rows
             if row.seed is not None and len(row.parameters) == len(self._free)
         )
+
+
+def _moment(text: str) -> float:
+    """Return a time of an export in seconds since the epoch; 0 where a spreadsheet changed it."""
+    try:
+        return datetime.fromisoformat(text).timestamp()
+    except (ValueError, OverflowError, OSError):
+        return 0.0
 
 
 def _response_quantities(test: TestSpecification) -> dict[str, Quantity]:

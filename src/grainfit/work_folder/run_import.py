@@ -194,12 +194,12 @@ class _Importing:
                 others.append(row)
             else:
                 places.remove(place)
-                self._fill(replace(place, responses=row.responses), there[place.identity])
+                self._fill(self._with_row(place, row), there[place.identity])
         # Runs of an earlier import of this table that match no row get the responses of other rows.
         mine = [p for p in places if p.identity in there and self._is_mine(there[p.identity])]
         empty = [place for place in places if place.identity not in there]
         for row, place in zip(others, mine + empty, strict=False):
-            self._fill(replace(place, responses=row.responses), there.get(place.identity))
+            self._fill(self._with_row(place, row), there.get(place.identity))
 
     def _places_for(self, rows: list[TableRow], there: Mapping[str, RunRecord]) -> list[RunRecord]:
         """Return runs at the parameters of these rows: the existing ones, and enough new ones."""
@@ -219,19 +219,20 @@ class _Importing:
     def _place(self, row: TableRow, seed: int) -> RunRecord:
         """Return the run of a row with a seed."""
         definition = self.solver.definition(row.parameters, seed)
-        return RunRecord(
-            definition.identity,
-            self.test,
-            "finished",
-            definition,
-            row.responses,
-            ended=self.now,
-            origin=self.origin,
+        place = RunRecord(
+            definition.identity, self.test, "finished", definition, origin=self.origin
+        )
+        return self._with_row(place, row)
+
+    def _with_row(self, place: RunRecord, row: TableRow) -> RunRecord:
+        return replace(
+            place, responses=row.responses, seconds=row.seconds, ended=row.ended or self.now
         )
 
     def _fill(self, record: RunRecord, known: RunRecord | None) -> None:
         self._taken.add(record.identity)
-        if known is not None and _is_alike(known, record):
+        retimed = known is not None and self._is_mine(known) and known.seconds != record.seconds
+        if known is not None and _is_alike(known, record) and not retimed:
             self.numbers["known"] += 1
             return
         self.numbers["new" if known is None else "replaced"] += 1
