@@ -12,6 +12,7 @@ from grainfit.bulk_tests.stiffness import UnderLoad
 from grainfit.contact_models.hertz_mindlin.model import clump_factor
 from grainfit.contact_models.registry import contact_law, simulated_material
 from grainfit.materials.particle_shape import ASPECT_RATIO, NEAREST_CLUMP
+from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.packing import mean_particle_volume
 
 #: Solid height of a bed whose cross-section changes, in diameters: that of most default tests.
@@ -79,14 +80,23 @@ def safe_time_step_fraction(
         Contact models that replace the usual ones of their kind.
     """
     law = contact_law(material, contact_models)
-    factor = test.sizes.coarse_graining
-    values = material if factor == 1 else simulated_material(material, factor)
-    sizes = test.sizes.with_aspect_ratio(material.get(ASPECT_RATIO))
-    radius = sizes.rayleigh_radius
-    if is_of_user(test) or law.cohesion is not None or test.sizes.shape is not None:
-        factor = 1.0 if sizes.clump is None else clump_factor(values, sizes.clump.touching)
-        return min(factor * law.time_step_fraction(values, radius, None), TIME_STEP_FRACTION)
-    return law.time_step_fraction(values, radius, _largest_stress(test, material))
+    sizes = test.sizes
+    if is_of_user(test) or law.cohesion is not None or sizes.shape is not None:
+        return fraction_in_any_bed(sizes, material, contact_models)
+    values = simulated_material(material, sizes.coarse_graining)
+    return law.time_step_fraction(values, sizes.rayleigh_radius, _largest_stress(test, material))
+
+
+def fraction_in_any_bed(
+    sizes: ParticleSizes, material: Mapping[str, float], contact_models: Iterable[str] = ()
+) -> float:
+    """Return the largest safe share of the Rayleigh time step where the stress is not known."""
+    law = contact_law(material, contact_models)
+    values = simulated_material(material, sizes.coarse_graining)
+    sizes = sizes.with_aspect_ratio(material.get(ASPECT_RATIO))
+    factor = 1.0 if sizes.clump is None else clump_factor(values, sizes.clump.touching)
+    share = factor * law.time_step_fraction(values, sizes.rayleigh_radius, None)
+    return min(share, TIME_STEP_FRACTION)
 
 
 def usual_time_step_fraction(
@@ -99,9 +109,19 @@ def usual_time_step_fraction(
     The safe one with every free parameter, rounded down, because it is part of a run's identity.
     See `least_safe_fraction`.
     """
-    safe = min(least_safe_fraction(test, intervals, contact_models), 1.0)
-    digits = 100 if safe >= _PERCENT else 10_000
-    return math.floor(digits * safe + 1e-9) / digits
+    return rounded_down(min(least_safe_fraction(test, intervals, contact_models), 1.0))
+
+
+def rounded_down(share: float) -> float:
+    """Return a share of the Rayleigh time step in whole percent, a small one in hundredths.
+
+    Examples
+    --------
+    >>> rounded_down(0.0434), rounded_down(0.12), rounded_down(0.00567)
+    (0.04, 0.12, 0.0056)
+    """
+    digits = 100 if share >= _PERCENT else 10_000
+    return math.floor(digits * share + 1e-9) / digits
 
 
 def with_safe_time_step(

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 
 from grainfit.analysis.soft_particles import of_hertz, stiffness_notes
 from grainfit.bulk_tests.apparatus import apparatus_lines, apparatus_of, as_smaller
 from grainfit.bulk_tests.base import GRAVITY, TIME_STEP_FRACTION, BulkTest
 from grainfit.bulk_tests.conditions import Conditions, conditions_of
+from grainfit.bulk_tests.parameter_names import RESTITUTION
 from grainfit.bulk_tests.registry import recreate_test
+from grainfit.bulk_tests.time_steps import fraction_in_any_bed, rounded_down
 from grainfit.cards import messages
-from grainfit.contact_models.registry import contact_law, in_order, material_parameter
+from grainfit.contact_models.registry import (
+    contact_law,
+    in_order,
+    material_parameter,
+    with_defaults,
+)
 from grainfit.errors import InputError, StoreError
 from grainfit.materials.card import CardParameter, CardResponse, MaterialCard, Origin, Program
 from grainfit.materials.particle_shape import ASPECT_RATIO, ParticleShape
@@ -49,8 +57,7 @@ def make_card(
     ratio = next((p.value for p in parameters if p.name == ASPECT_RATIO), 1.0)
     sizes = _sizes(reading, conditions, ratio)
     rayleigh = _rayleigh_time_step(parameters, sizes)
-    # The bed that the card is for is not known: it may be deeper than those of the tests.
-    fraction = min([TIME_STEP_FRACTION, *(found.time_step_fraction for found in conditions)])
+    fraction = _time_step_fraction(reading, conditions, parameters, sizes)
     tests = of_hertz(bulk_tests_of(reading), reading.contact_models)
     stiff = stiffness_notes(reading.problem, tests, reading.fixed, answer.parameters)
     return MaterialCard(
@@ -185,6 +192,22 @@ def _date(reading: SavedCalibration) -> str:
         return datetime.fromtimestamp(seconds or reading.started, UTC).isoformat(timespec="seconds")
     except (ValueError, OverflowError, OSError):
         return ""
+
+
+def _time_step_fraction(
+    reading: SavedCalibration,
+    conditions: list[Conditions],
+    parameters: Iterable[CardParameter],
+    sizes: ParticleSizes | None,
+) -> float:
+    # The bed that the card is for is not known: it may be deeper than those of the tests.
+    fraction = min([TIME_STEP_FRACTION, *(found.time_step_fraction for found in conditions)])
+    values = with_defaults({parameter.name: parameter.value for parameter in parameters})
+    if conditions or sizes is None or RESTITUTION not in values:
+        return fraction
+    with suppress(InputError):
+        return rounded_down(fraction_in_any_bed(sizes, values, reading.contact_models))
+    return fraction
 
 
 def _rayleigh_time_step(
