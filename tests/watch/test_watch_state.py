@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import subprocess
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -323,6 +324,44 @@ def test_a_fault_while_reading_is_shown_and_survived(
         assert "runs.sqlite" in now(server.follower)["verdict"]["details"][0]
         store.write_bytes(content)
         wait_for(lambda: now(server.follower)["state"] == "interrupted", 10)
+
+
+def test_an_end_and_a_start_are_seen_while_a_verdict_is_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Metamodels of many runs take seconds, and rest for nine times as long."""
+    done = threading.Event()
+    monkeypatch.setattr(follower, "result_so_far", lambda *_, **__: done.wait(60) and None)
+    file = calibration(tmp_path)
+    work = tmp_path / "sand.grainfit"
+    with run(file) as process, served(work) as server, server.follower.watching():
+        wait_for(lambda: server.follower._so_far[0] is not None)
+        assert now(server.follower)["state"] == "running"
+        process.kill()
+        process.wait(60)
+        wait_for(lambda: now(server.follower)["state"] == "interrupted", 5)
+        assert now(server.follower)["title"] == "interrupted"
+        with run(file):
+            wait_for(lambda: now(server.follower)["state"] == "running", 5)
+            assert now(server.follower)["stop"] == {"possible": True, "why": ""}
+        done.set()
+        # What was computed meanwhile brings no earlier state back.
+        wait_for(lambda: now(server.follower)["state"] == "interrupted", 5)
+        time.sleep(1.5)
+        assert now(server.follower)["state"] == "interrupted"
+
+
+def test_a_state_is_of_one_moment(tmp_path: Path) -> None:
+    """The lock is not asked again for a page that was read before."""
+    file = calibration(tmp_path)
+    work = tmp_path / "sand.grainfit"
+    with run(file) as process:
+        wait_for(lambda: state(work)["stop"]["possible"])
+        reading = read_folder(work)
+        process.kill()
+        process.wait(60)
+        found = state_of(reading, None)
+    assert (found["state"], found["stop"]) == ("running", {"possible": True, "why": ""})
 
 
 class QuickHeap(Lammps):

@@ -26,18 +26,21 @@ from grainfit.watch.state import Reading, read_folder, state_of
 from grainfit.work_folder.estimate import estimate_of_running
 
 _LOOK_SECONDS = 1.0
-#: What is read or computed takes at most this share of a core.
+#: What is read takes at most this share of a core, and what is computed as much.
 _SHARE = 0.1
 #: Time without a heartbeat after which a process of another machine counts as dead, s.
 _SILENT_SECONDS = 20.0
 _LONGEST_READ_SECONDS = 30.0
+#: Number of marks that tell who uses the folder.
+_USES = 2
 _WATCHED = (STORE_NAME, f"{STORE_NAME}-wal", LIVE_NAME, RESULT_NAME, REPORT_NAME, "runs")
 
 
 class Follower:
     """The latest state of a work folder, read by a thread of its own.
 
-    Runs are read when they change; metamodels and particles only while somebody watches.
+    Runs are read when they change; metamodels and particles only while somebody watches, by
+    another thread: they take seconds, in which the calibration may end.
 
     Parameters
     ----------
@@ -57,24 +60,32 @@ class Follower:
         #: Calibration and what the atlas expects of it.
         self._estimate: tuple[str, tuple[str, ...]] = ("", ())
         self._fault = ""
-        self._rest_until = 0.0
         self._heartbeat: tuple[int | None, float] = (None, float("-inf"))
-        self._thread = threading.Thread(target=self._follow, name="follower", daemon=True)
-        self._look_now = threading.Event()
+        self._reading = Reading(folder)
+        self._publishing = threading.Lock()
+        #: Set when there may be something to compute, for somebody who watches.
+        self._asked = threading.Event()
         #: Whether something was read since metamodels and particles were.
         self._is_stale = True
+        self._threads = [
+            threading.Thread(target=work, name=f"follower {name}", daemon=True)
+            for name, work in (("looks", self._follow), ("computes", self._compute_when_asked))
+        ]
 
     def start(self) -> None:
         """Read the folder once, and follow it from then on."""
-        self._read(costly=False)
-        self._thread.start()
+        self._read()
+        for thread in self._threads:
+            thread.start()
 
     def end(self) -> None:
         """Read the folder for the last time, and let all who wait for changes go."""
         self._ending.set()
-        self._look_now.set()
-        self._thread.join(_LONGEST_READ_SECONDS)
-        self._read(costly=False)
+        self._asked.set()
+        looking, computing = self._threads
+        looking.join(_LONGEST_READ_SECONDS)
+        self._read()
+        computing.join(_LONGEST_READ_SECONDS)
         self._ended.set()
         with self._changed:
             self._version += 1
@@ -90,7 +101,7 @@ class Follower:
         """Count somebody who watches until the end of the block."""
         with self._changed:
             self._watchers += 1
-        self._look_now.set()
+        self._asked.set()
         try:
             yield
         finally:
@@ -129,20 +140,20 @@ class Follower:
         return None if found is None else found.content
 
     def _follow(self) -> None:
-        before: object = None
+        before: list[object] = []
+        rest_until = 0.0
         while not self._ending.is_set():
             begun = time.monotonic()
             marks = self._marks()
-            costly = self._watchers > 0 and begun >= self._rest_until
-            if marks != before or (costly and self._is_stale):
+            # A large store is read seldom, but an end or a start is seen at once.
+            if marks != before and (begun >= rest_until or marks[:_USES] != before[:_USES]):
                 before = marks
-                self._read(costly=costly)
-            spent = time.monotonic() - begun
-            self._look_now.wait(max(_LOOK_SECONDS, spent * (1 / _SHARE - 1)))
-            self._look_now.clear()
+                self._read()
+                rest_until = _rest_until(begun)
+            self._ending.wait(_LOOK_SECONDS)
 
-    def _marks(self) -> object:
-        """Return what differs when something in the folder has changed."""
+    def _marks(self) -> list[object]:
+        """Return what differs when something in the folder has changed: first, who uses it."""
         found: list[object] = [is_held(self._folder), self._is_alive_elsewhere()]
         for name in _WATCHED:
             try:
@@ -167,20 +178,32 @@ class Follower:
             return False
         return time.monotonic() - when < _SILENT_SECONDS
 
-    def _read(self, *, costly: bool) -> None:
+    def _read(self) -> None:
         try:
             reading = read_folder(self._folder, is_alive_elsewhere=self._is_alive_elsewhere())
-            self._publish(reading)
-            self._is_stale = True
-            if costly:
-                self._compute(reading)
         except Exception as error:
-            # A page that shows nothing would hide why.
-            fault = error_in_words(error)
-            self._publish(Reading(self._folder, fault=fault))
+            reading = self._faulty(error)
+        self._publish(reading)
+        self._is_stale = True
+        self._asked.set()
+
+    def _faulty(self, error: Exception) -> Reading:
+        """Return what says why nothing is shown, which an empty page would hide."""
+        return Reading(self._folder, fault=error_in_words(error))
+
+    def _compute_when_asked(self) -> None:
+        while True:
+            self._asked.wait()
+            self._asked.clear()
+            if self._ending.is_set():
+                return
+            if self._watchers and self._is_stale:
+                begun = time.monotonic()
+                self._is_stale = False
+                self._compute(self._reading)
+                self._ending.wait(_rest_until(begun) - time.monotonic())
 
     def _compute(self, reading: Reading) -> None:
-        begun = time.monotonic()
         self._fault = ""
         try:
             self._compute_estimate(reading)
@@ -190,10 +213,7 @@ class Follower:
         except Exception as error:
             # The rest of the page is right nevertheless.
             self._fault = f"Verdict or particles cannot be shown: {error_in_words(error)}"
-        self._publish(reading)
-        self._is_stale = False
-        now = time.monotonic()
-        self._rest_until = now + (now - begun) * (1 / _SHARE - 1)
+        self._publish()
 
     def _compute_estimate(self, reading: Reading) -> None:
         """Estimate the parameters once, before the first results, and show them at once."""
@@ -203,7 +223,7 @@ class Follower:
         self._estimate = (identity, ())
         found = estimate_of_running(self._folder)
         self._estimate = (identity, () if found is None else tuple(found.lines()))
-        self._publish(reading)
+        self._publish()
 
     def _compute_so_far(self, reading: Reading) -> None:
         saved = reading.saved
@@ -225,7 +245,22 @@ class Follower:
             )
         self._so_far = (known, found)
 
-    def _publish(self, reading: Reading) -> None:
+    def _publish(self, newer: Reading | None = None) -> None:
+        """Tell the state of a newer reading, or what was computed since with that of the newest."""
+        with self._publishing:
+            self._reading = newer or self._reading
+            try:
+                state = self._state_of(self._reading)
+            except Exception as error:
+                self._reading = self._faulty(error)
+                state = self._state_of(self._reading)
+            with self._changed:
+                if json.dumps(state) != json.dumps(self._state):
+                    self._state = state
+                    self._version += 1
+                    self._changed.notify_all()
+
+    def _state_of(self, reading: Reading) -> dict[str, Any]:
         so_far = self._so_far[1] if _calibration(reading) == _of(self._so_far[0]) else None
         identity, lines = self._estimate
         estimate = lines if _calibration(reading) == identity else ()
@@ -233,11 +268,12 @@ class Follower:
         if self._fault:
             state["notices"] = [*state["notices"], plain(self._fault)]
         state["drawings"] = [one.about for one in self._drawings.found.values()]
-        with self._changed:
-            if json.dumps(state) != json.dumps(self._state):
-                self._state = state
-                self._version += 1
-                self._changed.notify_all()
+        return state
+
+
+def _rest_until(begun: float) -> float:
+    """Return the time until which work that was begun then, and ends now, takes its share."""
+    return begun + (time.monotonic() - begun) / _SHARE
 
 
 def _known(reading: Reading) -> object:

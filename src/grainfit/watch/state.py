@@ -23,6 +23,7 @@ from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result
 from grainfit.verdict.messages import state_name
 from grainfit.verdict.reasons import Deterministic
+from grainfit.watch.messages import NOT_IN_USE
 from grainfit.watch.rows import (
     MOST_ROWS,
     failure_rows,
@@ -66,6 +67,8 @@ class Reading:
         Whether the calibration is running.
     is_held : bool
         Whether a process uses the folder: it also writes the result of one that has ended.
+    why_not_stopped : str
+        Reason why the running calibration cannot be stopped here; empty if it can.
     fault : str
         Reason why nothing can be read; empty if it can.
     """
@@ -77,6 +80,7 @@ class Reading:
     live: LiveState | None = None
     is_running: bool = False
     is_held: bool = False
+    why_not_stopped: str = ""
     fault: str = ""
 
 
@@ -105,7 +109,8 @@ def read_folder(folder: Path, *, is_alive_elsewhere: bool = False) -> Reading:
         saved = replace(saved, state="running", result=None)
     is_running = saved.state == "running"
     live = read_live_state(folder, saved.identity) if is_running else None
-    return Reading(folder, saved, requests, failed, live, is_running, is_held(folder))
+    why = why_not_to_be_stopped(folder) if is_running else ""
+    return Reading(folder, saved, requests, failed, live, is_running, is_held(folder), why)
 
 
 def state_of(
@@ -243,10 +248,11 @@ def _notices(reading: Reading) -> Sequence[str]:
 
 
 def _stop(reading: Reading) -> Mapping[str, Any]:
-    if not reading.is_running:
+    why = reading.why_not_stopped
+    if why == NOT_IN_USE():
+        # It ended while it was read: the next look tells how.
         return {"possible": False, "why": ""}
-    why = why_not_to_be_stopped(reading.folder)
-    return {"possible": not why, "why": plain(why)}
+    return {"possible": reading.is_running and not why, "why": plain(why)}
 
 
 def _has_report(reading: Reading) -> bool:
