@@ -301,6 +301,44 @@ def test_a_start_waits_for_what_is_refused_and_an_ended_page_says_so(server: Sta
         expect(page.locator("#questions")).to_contain_text("The page has ended")
 
 
+@needs.CHROMIUM
+def test_every_refused_draft_stays_red_until_it_is_corrected(server: StartServer) -> None:
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport=LAPTOP)
+        page.goto(server.address)
+        fill(page, "Which material", "wheat")
+        fill(page, "How large", "5 mm")
+        diameter, friction = page.get_by_label("How large"), page.get_by_label("slide on your wall")
+        saved = page.locator("#saved")
+        for field, wrong in ((diameter, "6,5 mm"), (friction, "0,3")):
+            field.fill(wrong)
+            field.press("Tab")
+            expect(field).to_have_attribute("aria-invalid", "true")
+        moisture = page.get_by_label("moist")
+        moisture.fill("2 %")
+        moisture.press("Tab")
+        expect(page.locator("#file-text")).to_contain_text("2 %")
+        # What is refused is asked for again, and each answer takes a moment.
+        page.wait_for_timeout(1000)
+        expect(diameter).to_have_attribute("aria-invalid", "true")
+        expect(friction).to_have_attribute("aria-invalid", "true")
+        friction.fill("0.3")
+        friction.press("Tab")
+        expect(page.locator("#file-text")).to_contain_text("0.3")
+        expect(saved).to_have_text("Not kept")
+        expect(diameter).to_have_attribute("aria-invalid", "true")
+        expect(page.locator("#q-diameter-said")).to_have_class("refused")
+        # As one types: what was refused by then is kept before it is tried out.
+        diameter.fill("5 m")
+        expect(page.locator("#q-diameter-said")).to_contain_text("5 m")
+        diameter.press("End")
+        diameter.press("m")
+        diameter.press("Tab")
+        expect(saved).to_have_text("Kept in the file")
+        expect(page.locator("#q-diameter-said")).to_have_class("implies")
+        expect(diameter).to_have_attribute("aria-invalid", "false")
+
+
 def test_a_prediction_is_verified_at_full_size_once(server: StartServer) -> None:
     server.path.write_text(OWN)
     Path("model.py").write_text(MODEL.replace("0.05", "0.5"))

@@ -36,15 +36,16 @@
   const keepDrafts = () => {
     sessionStorage.setItem(DRAFTS, JSON.stringify({ file: state.file, values: drafts }));
   };
-  // Keys of drafts that the file cannot have.
-  const refused = new Set();
+  // Why the file cannot have a draft, by its key.
+  const refused = new Map();
   const forget = (key) => {
     delete drafts[key];
     refused.delete(key);
     keepDrafts();
   };
   const sayKept = () => {
-    at("saved").textContent = refused.size ? "Not kept" : "Kept in the file";
+    const kept = state.text ? "Kept in the file" : "";
+    at("saved").textContent = Object.keys(drafts).length ? "Not kept" : kept;
   };
 
   // --- Questions ----------------------------------------------------------------------------------
@@ -61,39 +62,56 @@
       field.setAttribute("aria-invalid", String(kind === "refused"));
     }
   };
+  const sayRefused = (key, why) => {
+    at("saved").textContent = "Not kept";
+    say(key, "refused", why);
+    if (key in drafts) {
+      refused.set(key, why);
+    }
+  };
   const keep = async (key, given) => {
     at("saved").textContent = "Checking …";
     const found = await ask("answer", { key, given });
     if (found.refused) {
-      at("saved").textContent = "Not kept";
-      say(key, "refused", found.refused);
-      if (key in drafts) {
-        refused.add(key);
-      }
+      sayRefused(key, found.refused);
       return false;
     }
-    forget(key);
+    // More may have been typed since.
+    if (drafts[key] === given) {
+      forget(key);
+    }
     show(found);
     sayKept();
     refresh();
     return true;
   };
-  let trying = 0;
+  const trying = new Map();
   const tryOut = (key, given) => {
+    clearTimeout(trying.get(key));
+    const kept = (state.questions || []).find((one) => one.key === key);
+    if (kept && kept.answer === given) {
+      forget(key);
+      say(key, "implies", kept.implies);
+      sayKept();
+      return;
+    }
     drafts[key] = given;
     keepDrafts();
-    clearTimeout(trying);
-    trying = setTimeout(async () => {
+    trying.set(key, setTimeout(async () => {
       const found = await ask("try", { key, given });
       if (drafts[key] !== given) {
         return;
       }
-      say(key, found.refused ? "refused" : "implies", found.refused || found.implies);
-      refused[found.refused ? "add" : "delete"](key);
-      if (!found.refused && key.includes(".targets.")) {
+      if (found.refused) {
+        sayRefused(key, found.refused);
+        return;
+      }
+      refused.delete(key);
+      say(key, "implies", found.implies);
+      if (key.includes(".targets.")) {
         estimate({ key, given });
       }
-    }, 350);
+    }, 350));
   };
 
   // What does not fit into the field is said above it.
@@ -113,7 +131,7 @@
     field.setAttribute("aria-describedby", `${id}-help ${id}-said`);
     field.addEventListener("input", () => tryOut(question.key, field.value));
     field.addEventListener("change", () => {
-      clearTimeout(trying);
+      clearTimeout(trying.get(question.key));
       keep(question.key, field.value);
     });
     return field;
@@ -281,7 +299,18 @@
     if (again) {
       again.focus();
     }
-    Object.entries(drafts).forEach(([key, given]) => tryOut(key, given));
+  };
+  // What is said below each field, and not kept.
+  const sayAll = () => {
+    (state.questions || []).filter(({ key }) => !(key in drafts)).forEach(({ key, implies }) => {
+      say(key, "implies", implies);
+    });
+    Object.entries(drafts).forEach(([key, given]) => {
+      if (refused.has(key)) {
+        say(key, "refused", refused.get(key));
+      }
+      tryOut(key, given);
+    });
   };
 
   // --- What follows from them ---------------------------------------------------------------------
@@ -511,6 +540,7 @@
     if (isOther) {
       rebuild();
     }
+    sayAll();
     follow();
     handOver();
   };
