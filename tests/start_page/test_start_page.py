@@ -103,6 +103,11 @@ def test_from_nothing_to_an_estimate_and_a_plan(server: StartServer) -> None:
         page.emulate_media(color_scheme="dark")
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
         assert violations(page) == []
+        angle.fill("")
+        angle.press("Tab")
+        expect(page.locator("#estimate-box")).to_be_hidden()
+        # By the atlas no longer: what stays open is said by the plan again.
+        expect(page.locator("body")).not_to_have_class("estimated")
         assert faults == []
 
 

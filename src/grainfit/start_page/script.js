@@ -93,6 +93,7 @@
       forget(key);
       say(key, "implies", kept.implies);
       sayKept();
+      estimateKept();
       return;
     }
     drafts[key] = given;
@@ -336,20 +337,21 @@
   const hasValues = () => (state.questions || []).some((one) => isMeasured(one) && one.answer);
 
   let asking = false;
+  // What was typed last; null where nothing is asked.
   let newest = null;
   const estimate = async (typed = {}) => {
     newest = typed;
+    at("estimate-box").hidden = false;
     if (asking) {
       return;
     }
     asking = true;
-    at("estimate-box").hidden = false;
     while (newest) {
       const current = newest;
       newest = null;
       at("estimate-state").textContent = "Asking the atlas …";
       const found = await ask("estimate", current);
-      if (newest) {
+      if (newest || at("estimate-box").hidden) {
         continue;
       }
       at("estimate-state").textContent = "";
@@ -359,6 +361,15 @@
         : parts(found.parts)));
     }
     asking = false;
+  };
+  const estimateKept = () => {
+    if (hasValues()) {
+      estimate();
+      return;
+    }
+    newest = null;
+    at("estimate-box").hidden = true;
+    document.body.classList.remove("estimated");
   };
   const compare = async (button, result) => {
     button.disabled = true;
@@ -414,9 +425,7 @@
   };
   const isRunning = () => Boolean(state.run && state.run.running);
   const refresh = () => {
-    if (hasValues()) {
-      estimate();
-    }
+    estimateKept();
     plan();
   };
 
