@@ -152,6 +152,14 @@ def test_a_density_is_drawn_where_it_is_and_a_line_stays_within_its_axes(
     assert 10 ** figures["misfit"].layout["yaxis"]["range"][1] > (1e4 - 30.0) / 0.5
 
 
+@pytest.mark.parametrize("count", [1, 2, 5, 20, 2_000])
+def test_every_tick_is_a_run_of_its_own(saved: gf.OpenedCalibration, count: int) -> None:
+    few = replace(saved, evaluations=(saved.evaluations * count)[:count])
+    axis = convergence_figures.convergence_figures(few)["misfit"].layout["xaxis"]
+    assert axis["dtick"] == int(axis["dtick"])
+    assert 1 <= count / axis["dtick"] <= 8
+
+
 def _first_number(trace: dict[str, Any]) -> float:
     """A number that tells traces apart."""
     if "z" in trace:

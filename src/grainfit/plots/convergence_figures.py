@@ -29,6 +29,9 @@ _SMALLEST = 1e-3
 #: Room above and below the deviations, as a factor.
 _ROOM = 1.6
 _FEWEST_OF_A_LINE = 2
+#: Steps between ticks of the number of the run, and the most of them.
+_STEPS = tuple(factor * 10**power for power in range(12) for factor in (1, 2, 5))
+_MOST_TICKS = 8
 
 
 def convergence(saved: SavedCalibration) -> PlotlyFigure:
@@ -232,6 +235,9 @@ def _run_axis(count: int) -> dict[str, Any]:
         "rangemode": "nonnegative",
         "zeroline": False,
         "tickformat": "d",
+        # Ticks between two runs would be written as the next one.
+        "tick0": 0,
+        "dtick": next(step for step in _STEPS if step * _MOST_TICKS >= count),
     }
 
 
