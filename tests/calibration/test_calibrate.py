@@ -256,6 +256,27 @@ def test_a_target_out_of_reach_is_said_and_costs_no_verification() -> None:
     assert result.runs.verification == 0
 
 
+def test_what_is_out_of_reach_is_said_once_by_all_runs(tmp_path: Path) -> None:
+    # The run that is under way when the search stops counts in the result.
+    problem = just_out_of_reach(40.0, 0.5)
+    said: list[str] = []
+    result = gf.calibrate(
+        problem,
+        scattered,
+        seed=1,
+        workers=2,
+        workdir=tmp_path,
+        on_progress=lambda progress: said.extend(progress.notices),
+    )
+    assert result.status == "unreachable"
+    [notice] = filter(of_verdict.OUT_OF_REACH.is_in, result.notices)
+    assert notice == str(result.out_of_reach[0])
+    assert not any(map(of_verdict.OUT_OF_REACH.is_in, said))
+    again = gf.Result.from_json(tmp_path / "result.json")
+    assert again.notices == result.notices
+    assert notice not in again.other_notices
+
+
 def test_an_answer_that_verification_refutes_is_not_called_calibrated() -> None:
     # The responses jump over the targets: no parameter set meets them.
     def biased(parameters: dict[str, float], seed: int) -> dict[str, float]:

@@ -77,7 +77,7 @@ def _final_verdict(context: ReportContext) -> ShownVerdict:
     sure = (*single, *sure)
     if context.reading.state == "calibrated":
         return ShownVerdict("good", messages.CALIBRATED(), sure)
-    misses = tuple(map(str, result.out_of_reach))
+    misses = tuple(plain(str(one)) for one in result.out_of_reach)
     if context.reading.state == "unreachable" and misses:
         return ShownVerdict("bad", messages.UNREACHABLE(), misses)
     missed = "; ".join(

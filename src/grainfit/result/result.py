@@ -77,7 +77,8 @@ class Result(Summary, OneLine):
         Reasons for the verdict, with their numbers. A file of version 0.2.0 or older has them in
         words alone, among the other notices.
     other_notices : sequence of str
-        Notices that are no reasons for the verdict, such as those of the search.
+        Notices that are neither reasons for the verdict nor of what is out of reach, such as those
+        of the search.
     history : sequence of RunSummary
         Every parameter set that was simulated, in order.
     intervals : mapping of str to ParameterInterval
@@ -125,8 +126,8 @@ class Result(Summary, OneLine):
 
     @property
     def notices(self) -> tuple[str, ...]:
-        """Notices for the user: the reasons in words, and the others."""
-        return (*map(str, self.reasons), *self.other_notices)
+        """Notices for the user: the reasons and what is out of reach in words, and the others."""
+        return (*map(str, self.reasons), *map(str, self.out_of_reach), *self.other_notices)
 
     @property
     def sureness(self) -> str:
@@ -318,6 +319,8 @@ def _read(text: bytes) -> Result:
     result: Result = read_plain(Result, data | {"reasons": [], "other_notices": []})
     # A reason of a kind that only a later version knows stays as a notice.
     said = [text for text, kind in zip(found.notices, kinds, strict=False) if kind is None]
+    misses = [str(miss) for miss in result.out_of_reach]
+    said += [text for text in found.notices[len(kinds) :] if text not in misses]
     return replace(
         result,
         reasons=tuple(
@@ -325,5 +328,5 @@ def _read(text: bytes) -> Result:
             for place, (kind, one) in enumerate(zip(kinds, data.get("reasons", []), strict=True))
             if kind is not None
         ),
-        other_notices=(*said, *found.notices[len(kinds) :]),
+        other_notices=tuple(said),
     )

@@ -27,6 +27,7 @@ from grainfit.formatting import in_a_row, number
 from grainfit.metamodels.designs import maximin_latin_hypercube
 from grainfit.metamodels.metamodels import Metamodels, can_be_fitted
 from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT, runs_for_trend
+from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
 from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem, Relative, TestScope
 from grainfit.strategies import messages
@@ -199,24 +200,30 @@ class SequentialSearch(Search):
 
     @property
     def notices(self) -> Sequence[str]:
-        """Widened intervals, why the search has ended, and how closely parameters are known."""
-        if self._options.wanted_half_width is None or not (self._has_ended or self.finished):
+        """Widened intervals, what the preference has gained, how closely parameters are known."""
+        wanted = self._options.wanted_half_width is not None
+        if not self._has_ended and not (wanted and self.finished):
             return tuple(self._notices)
-        return (*self._notices, *self._notices_of_half_widths)
+        return (*self._notices, *self._final_notices)
 
     @property
-    def _notices_of_half_widths(self) -> Sequence[str]:
-        """What is known of the parameters now, verification included; so it is not kept."""
+    def _final_notices(self) -> Sequence[str]:
+        """What is known of the answer now, verification included; so it is not kept."""
         belief = self._belief
-        if belief is None or self._rule.is_out_of_reach(belief) or belief.knowledge is None:
+        if belief is None or self._rule.is_out_of_reach(belief):
             return ()
-        return [
-            about_half_widths(
-                belief.knowledge,
-                is_answered=self._rule.is_answered(belief),
-                is_budget_used=self._budget_is_used,
+        found = []
+        if (gained := belief.time_step_gained) > EQUAL_TIME_STEPS:
+            found.append(messages.LARGEST_TIME_STEP(gained=gained))
+        if belief.knowledge is not None:
+            found.append(
+                about_half_widths(
+                    belief.knowledge,
+                    is_answered=self._rule.is_answered(belief),
+                    is_budget_used=self._budget_is_used,
+                )
             )
-        ]
+        return found
 
     @property
     def current_problem(self) -> Problem:
@@ -238,8 +245,6 @@ class SequentialSearch(Search):
         if not used and self._to_run_again():
             return False
         if used or (self._belief is not None and self._rule.is_decided(self._belief)):
-            if self._belief is not None:
-                self._note(self._rule.final_notices(self._belief))
             self._has_ended = True
             return True
         return False

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
-from grainfit.strategies import messages
 from grainfit.strategies.sequential.belief import Belief
 from grainfit.verdict.options import VERDICT
 
@@ -64,14 +62,6 @@ class StoppingRule:
     def is_out_of_reach(self, belief: Belief) -> bool:
         """Whether a target is out of reach of the intervals."""
         return self.runs_behind >= _RUNS_TO_CONFIRM and bool(belief.misses)
-
-    def final_notices(self, belief: Belief) -> list[str]:
-        """Tell the user why the search has ended, unless it is obvious."""
-        if self.is_out_of_reach(belief):
-            return [str(miss) for miss in belief.misses]
-        if (gained := belief.time_step_gained) > EQUAL_TIME_STEPS:
-            return [messages.LARGEST_TIME_STEP(gained=gained)]
-        return []
 
     def _is_left_to_verification(self, belief: Belief) -> bool:
         """Whether the verification of the answer can decide it.

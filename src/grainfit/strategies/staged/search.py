@@ -8,7 +8,7 @@ noise this is the method of the paper.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -86,12 +86,6 @@ class StagedSearch(BatchSearch):
         self._resumptions = 0
         self._out_of_reach: tuple[OutOfReach, ...] = ()
         self._fitted: tuple[int, Metamodels] | None = None
-        self._notices: list[str] = []
-
-    @property
-    def notices(self) -> Sequence[str]:
-        """Targets found to be out of reach."""
-        return tuple(self._notices)
 
     @property
     def definition(self) -> dict[str, Any]:
@@ -170,7 +164,6 @@ class StagedSearch(BatchSearch):
         feasibility = FeasibilityModel(self.problem, self.known)
         self._out_of_reach = out_of_reach(metamodels, start, feasibility, self.seed)
         if self._out_of_reach:
-            self._notices += [str(miss) for miss in self._out_of_reach]
             yield from self._runs_at([start])
         else:
             yield from self._fit_on_dem(metamodels, start)
