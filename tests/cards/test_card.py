@@ -52,6 +52,19 @@ def table(card: MaterialCard) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(render(card, "csv"), newline="")))
 
 
+def test_runs_are_counted_as_in_the_report(tmp_path: Path) -> None:
+    first = grainfit.calibrate(DRUM, drum, workdir=tmp_path)
+    [target] = DRUM.targets
+    other = replace(DRUM, targets=[replace(target, value=35.0)])
+    result = grainfit.calibrate(other, drum, workdir=tmp_path)
+
+    card = material_card(tmp_path)
+    counts = result.runs.total, result.runs.warm_start_runs
+    assert (card.runs, card.earlier_runs) == counts
+    assert card.earlier_runs == first.runs.total
+    assert f"{counts[0]} + {counts[1]} of earlier" in card.runs_in_words
+
+
 @pytest.fixture(scope="session")
 def calibrated_drum(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("calibrated.grainfit")

@@ -68,6 +68,9 @@ def test_a_customer_gets_values_tests_forecast_and_hashes(
     assert f"SHA-256 of {saved.source}" in second
     assert hashlib.sha256(saved.source_text.encode()).hexdigest() in second
     assert saved.identity in second
+    # As in the report: what came from earlier calibrations is no run of this one.
+    warm = replace(saved, result=replace(result, runs=replace(result.runs, warm_start_runs=4)))
+    assert f"{result.runs.total} + 4 of earlier" in pages(sheet(warm, tmp_path / "warm.pdf"))[1]
     again = sheet(saved, tmp_path / "again.pdf")
     assert again.read_bytes() == path.read_bytes()
 

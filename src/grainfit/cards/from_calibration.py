@@ -71,8 +71,8 @@ def make_card(
         recommended_time_step=None if rayleigh is None else fraction * rayleigh,
         time_step_fraction=fraction,
         programs=tuple(_programs(reading)),
-        runs=sum(len(evaluation.runs) for evaluation in reading.known),
-        failed_runs=sum(len(evaluation.failed_runs) for evaluation in reading.known),
+        runs=answer.runs.total,
+        failed_runs=answer.runs.failed,
         date=_date(reading),
         calibration_file=reading.source,
         identity=reading.identity,
@@ -80,6 +80,7 @@ def make_card(
         notices=(*answer.notices, *map(str, answer.holdouts), *stiff),
         contact_models=_contact_models(reading, parameters, conditions),
         apparatus=tuple(_apparatus(reading, tests, parameters)),
+        earlier_runs=answer.runs.warm_start_runs,
     )
 
 

@@ -47,6 +47,7 @@ def render_json(card: MaterialCard) -> str:
             "identity": card.identity,
             "programs": [vars(program) for program in card.programs],
             "runs": card.runs,
+            "earlier_runs": card.earlier_runs,
             "failed_runs": card.failed_runs,
             "date": card.date,
             "grainfit_version": card.version,

@@ -114,7 +114,7 @@ class MaterialCard:
     programs : tuple of Program
         Solvers of the calibration.
     runs, failed_runs : int
-        Number of DEM runs, and of those that gave no responses.
+        Number of DEM runs of the calibration, and of those that gave no responses.
     date : str
         End of the last run, ISO 8601 in UTC; empty when that is not known.
     calibration_file, identity, version : str
@@ -126,6 +126,8 @@ class MaterialCard:
         Contact models of the runs; empty for those of a model of the user's own.
     apparatus : tuple of str
         Apparatus of every bulk test, in a laboratory's words: what was given, and what is assumed.
+    earlier_runs : int
+        Number of further DEM runs, of earlier calibrations, that it began with.
     """
 
     name: str
@@ -147,6 +149,14 @@ class MaterialCard:
     notices: tuple[str, ...]
     contact_models: tuple[str, ...] = ()
     apparatus: tuple[str, ...] = ()
+    earlier_runs: int = 0
+
+    @property
+    def runs_in_words(self) -> str:
+        """Numbers of the DEM runs."""
+        earlier = f" + {self.earlier_runs} of earlier calibrations" if self.earlier_runs else ""
+        failed = f", {self.failed_runs} failed" if self.failed_runs else ""
+        return f"{self.runs}{earlier}{failed}"
 
     @property
     def calibrated(self) -> bool:

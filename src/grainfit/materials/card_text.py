@@ -146,7 +146,7 @@ def _provenance(card: MaterialCard) -> Iterator[str]:
     programs = " and ".join(f"{p.name} {p.version}".strip() for p in card.programs)
     yield f"Calibrated with: {programs or 'nothing that is known'}"
     ended = f"; the last one ended {card.date}" if card.date else ""
-    yield f"DEM runs: {card.runs}, {card.failed_runs} of them failed{ended}"
+    yield f"DEM runs: {card.runs_in_words}{ended}"
     yield f"Calibration file: {card.calibration_file or 'none, started from Python'}"
     yield f"Identity of the calibration: {card.identity}"
     yield f"grainfit {card.version}".rstrip()

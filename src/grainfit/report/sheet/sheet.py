@@ -355,8 +355,8 @@ class _Sheet:
         yield "grainfit", f"{card.version or 'unknown'} (sheet: {version('grainfit')})"
         programs = (f"{p.name} {p.version}".strip() for p in card.programs)
         yield "Programs of the runs", ", ".join(filter(None, programs)) or "–"
-        failed = f", {card.failed_runs} of them failed" if card.failed_runs else ""
-        yield "Runs", f"{card.runs}{failed}; strategy {reading.strategy}, seed {reading.seed}"
+        how = f"strategy {reading.strategy}, seed {reading.seed}"
+        yield "Runs", f"{card.runs_in_words}; {how}"
         yield "Last run ended", card.date or "–"
         yield "Identity of the calibration", card.identity
         if reading.source_text:
