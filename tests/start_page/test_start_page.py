@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import shutil
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -245,6 +246,18 @@ def test_cards_are_offered_of_an_answer_and_said_to_be_of_an_earlier_file(
         page.goto(server.address)
         expect(page.locator("#hand-box")).to_contain_text(found["earlier"])
         expect(page.locator("#followed")).to_contain_text("earlier file")
+
+
+def test_no_link_leads_to_a_work_folder_that_was_deleted(server: StartServer) -> None:
+    server.path.write_text(OWN)
+    ended(server, "calibrated", friction=0.5)
+    watch = server.run_state()["watch"]
+    assert watch
+    shutil.rmtree(server.work_folder)
+    assert server.run_state()["watch"] == ""
+    # The page that was opened follows the next one.
+    ended(server, "calibrated", friction=0.5)
+    assert server.run_state()["watch"] == watch
 
 
 def test_no_cards_are_offered_without_an_answer(server: StartServer) -> None:

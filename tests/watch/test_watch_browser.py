@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+import shutil
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -20,8 +22,10 @@ from benchmarks.axe import violations
 from grainfit.bulk_tests.heap import Heap
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.materials.sizes import ParticleSizes
+from grainfit.report import verdict_messages
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import GLASS_BEADS, ROUGH_PLATE
+from grainfit.watch import drawings
 
 pytestmark = needs.CHROMIUM
 # Chromium, solvers and metamodels share a few cores.
@@ -190,6 +194,21 @@ def test_no_column_is_cut_off_in_a_window_of_any_width(browser: Browser) -> None
             page.set_viewport_size({"width": width, "height": 800})
             assert page.evaluate(CUT) == []
         assert faults == []
+
+
+def test_a_folder_that_is_deleted_leaves_no_drawing(
+    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    about = {"key": "photographs", "kind": "page", "run": "1", "title": "Newest heap", "words": ""}
+    drawing = drawings.LatestDrawing(about, json.dumps("<p>angle of repose</p>"))
+    monkeypatch.setattr(drawings, "_photographs", lambda _: drawing)
+    work = tmp_path / "work"
+    shutil.copytree(BEADS, work)
+    with served(work) as server, opened(browser, server.address) as (page, _):
+        expect(page.locator("#drawings h2")).not_to_have_count(0)
+        shutil.rmtree(work)
+        expect(page.locator("#verdict")).to_contain_text(verdict_messages.NOTHING_THERE())
+        expect(page.locator("#drawings section")).to_have_count(0)
 
 
 @pytest.mark.slow

@@ -236,13 +236,14 @@ class StartServer(LocalServer):
     def run_state(self) -> State:
         """Return the calibration alone, which a page asks for every second."""
         folder, is_running = self.work_folder, self.is_running
+        is_there = is_running or (folder / STORE_NAME).exists()
         with self._following:
-            if self._watch is None and (is_running or (folder / STORE_NAME).exists()):
+            if self._watch is None and is_there:
                 self._watch = WatchServer(folder, listen(0))
                 self._watch.serve()
         came = Outcome() if is_running else self.outcome
         return {
-            "watch": self._watch.address if self._watch else "",
+            "watch": self._watch.address if self._watch and is_there else "",
             "folder": str(folder),
             "running": is_running,
             "code": self._run.code if self._run else None,

@@ -50,17 +50,20 @@ class LatestDrawings:
     """Newest drawings of each test; files are read only when a newer run has ended."""
 
     def __init__(self) -> None:
+        self._calibration = ""
         self._compared: object = None
         self._newest: dict[str, str] = {}
         self._found: dict[str, LatestDrawing] = {}
 
-    @property
-    def found(self) -> dict[str, LatestDrawing]:
-        """The drawings by key of the test."""
-        return self._found
+    def found(self, calibration: str) -> dict[str, LatestDrawing]:
+        """Return the drawings of a calibration by key of the test; those of no other one."""
+        return self._found if calibration == self._calibration else {}
 
-    def update(self, saved: SavedCalibration) -> bool:
-        """Read the particles of runs that are newer; return whether anything has changed."""
+    def update(self, saved: SavedCalibration) -> None:
+        """Read the particles of runs that are newer."""
+        if saved.identity != self._calibration:
+            self._newest, self._found = {}, {}
+            self._calibration = saved.identity
         tests = shown_runs(saved.evaluations, saved.records, saved.folder)
         found = dict(self._found)
         for position, (test, runs) in enumerate(tests.items(), 1):
@@ -70,14 +73,12 @@ class LatestDrawings:
             self._newest[test] = newest[0].record.identity
             if latest := _latest(f"test-{position}", test if len(tests) > 1 else "", newest, saved):
                 found[f"test-{position}"] = latest
-        now = (dict(self._newest), saved.identity, saved.result is not None)
+        now = (dict(self._newest), self._calibration, saved.result is not None)
         if now != self._compared:
             self._compared = now
             if photographs := _photographs(saved):
                 found[_PHOTOGRAPHS] = photographs
-        changed = found != self._found
         self._found = found
-        return changed
 
 
 def _photographs(saved: SavedCalibration) -> LatestDrawing | None:

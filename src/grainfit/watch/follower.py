@@ -136,7 +136,7 @@ class Follower:
 
     def drawing(self, key: str) -> str | None:
         """Return the data of the newest drawing of a test as JSON."""
-        found = self._drawings.found.get(key)
+        found = self._drawings.found(_calibration(self._reading)).get(key)
         return None if found is None else found.content
 
     def _follow(self) -> None:
@@ -183,6 +183,9 @@ class Follower:
             reading = read_folder(self._folder, is_alive_elsewhere=self._is_alive_elsewhere())
         except Exception as error:
             reading = self._faulty(error)
+        if reading.saved is None:
+            # The same calibration may begin again in a folder that was deleted.
+            self._drawings, self._so_far = LatestDrawings(), (None, None)
         self._publish(reading)
         self._is_stale = True
         self._asked.set()
@@ -267,7 +270,8 @@ class Follower:
         state = state_of(reading, so_far, estimate)
         if self._fault:
             state["notices"] = [*state["notices"], plain(self._fault)]
-        state["drawings"] = [one.about for one in self._drawings.found.values()]
+        drawings = self._drawings.found(_calibration(reading))
+        state["drawings"] = [one.about for one in drawings.values()]
         return state
 
 

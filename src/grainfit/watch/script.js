@@ -309,6 +309,12 @@
 
   const drawings = new Map();
   const showDrawings = ({ drawings: newest }) => {
+    for (const [key, { section }] of drawings) {
+      if (!newest.some((about) => about.key === key)) {
+        section?.remove();
+        drawings.delete(key);
+      }
+    }
     for (const about of newest) {
       const known = drawings.get(about.key);
       if (known?.run !== about.run) {
@@ -326,7 +332,7 @@
     } catch {
       content = null;
     }
-    if (content === null || drawings.get(about.key).run !== about.run) {
+    if (content === null || drawings.get(about.key)?.run !== about.run) {
       return;
     }
     const section = make("section", { class: "section" }, make("h2", {}, about.title),
