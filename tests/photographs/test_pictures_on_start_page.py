@@ -12,6 +12,7 @@ import pytest
 
 from grainfit.interview.interview import Interview
 from grainfit.local_pages.server import listen
+from grainfit.photographs import messages as of_pictures
 from grainfit.start_page import messages
 from grainfit.start_page.server import StartServer
 from tests.photographs.photographed_heap import HEAP
@@ -85,4 +86,17 @@ def test_what_is_no_picture_is_refused_and_not_kept(server: StartServer) -> None
     assert asked(server, "POST", "picture", '{"key": "heap"}')[0] == 400
 
     assert server.path.read_text() == before
-    assert not list(Path("my_beads_1_photos").iterdir())
+    assert not Path("my_beads_1_photos").exists()
+
+
+def test_what_is_refused_is_named_as_it_was_given(server: StartServer) -> None:
+    assert give(server, "heap_2.jpg")[0] == 200
+    kept = Path("my_beads_1_photos")
+
+    broken = json.loads(give(server, "of Monday.jpg", b"no picture")[1])["refused"]
+    assert broken.startswith("of Monday.jpg: ")
+    assert kept.name not in broken
+    again = json.loads(give(server, "again.jpg", Path("heap_2.jpg").read_bytes())[1])["refused"]
+    same = of_pictures.SAME_PICTURE(file="again.jpg", other="heap_2.jpg")
+    assert same in again
+    assert [path.name for path in kept.iterdir()] == ["heap_1.jpg"]

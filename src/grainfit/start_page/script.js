@@ -198,7 +198,8 @@
         const body = { key, name: file.name, content: await read(file) };
         const found = await ask("picture", body);
         if (found.refused) {
-          faults.push(found.refused);
+          const isNamed = found.refused.includes(file.name);
+          faults.push(isNamed ? found.refused : `${file.name}: ${found.refused}`);
         } else {
           forget(key);
           show(found);

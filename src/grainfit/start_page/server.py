@@ -29,7 +29,7 @@ from grainfit.start_page import messages
 from grainfit.start_page.hand_over import Outcome, handed_over, outcome
 from grainfit.start_page.page import start_page
 from grainfit.start_page.run_process import RunProcess
-from grainfit.start_page.uploads import LONGEST, Upload
+from grainfit.start_page.uploads import LONGEST, Upload, forget, in_given_names
 from grainfit.tables import TextTable
 from grainfit.verdict.messages import state_name
 from grainfit.watch.server import WatchServer
@@ -62,6 +62,8 @@ class StartServer(LocalServer):
         self._following = threading.Lock()
         self._run: RunProcess | None = None
         self._watch: WatchServer | None = None
+        #: Names that pictures had where they were taken from.
+        self._given: dict[Path, str] = {}
 
     def state(self) -> State:
         """Return questions and answers, the file, and the calibration."""
@@ -110,12 +112,17 @@ class StartServer(LocalServer):
             if answer and not names:
                 raise InputError(messages.TYPED_ALREADY.fault(upload.key))
             path = upload.kept(self.path)
+            given = {**self._given, path.absolute(): upload.name}
             names.append(str(path.relative_to(self.path.parent)))
             try:
                 interview.answered(upload.key, "; ".join(names)).save()
+            except InputError as error:
+                forget(path)
+                raise in_given_names(error, given) from error
             except (GrainfitError, OSError):
-                path.unlink(missing_ok=True)
+                forget(path)
                 raise
+            self._given = given
         return self.state()
 
     def overlay(self, key: str, number: int) -> bytes | None:

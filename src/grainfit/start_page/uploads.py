@@ -5,11 +5,15 @@ from __future__ import annotations
 import base64
 import binascii
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path, PurePath
 from typing import Any
 
+from grainfit.errors import InputError
+from grainfit.formatting import plain
 from grainfit.photographs.pictures import SUFFIXES
 
 #: Longest request with a picture in it, bytes.
@@ -24,6 +28,8 @@ class Upload:
     ----------
     key : str
         Of the question.
+    name : str
+        That it has where it was taken from.
     suffix : str
         End of its name, one of `SUFFIXES`.
     content : bytes
@@ -31,6 +37,7 @@ class Upload:
     """
 
     key: str
+    name: str
     suffix: str
     content: bytes
 
@@ -51,7 +58,7 @@ class Upload:
         if suffix not in SUFFIXES:
             raise ValueError(f"{name[:80]} is none of {', '.join(SUFFIXES)}")
         try:
-            return cls(key, suffix, base64.b64decode(content, validate=True))
+            return cls(key, plain(name), suffix, base64.b64decode(content, validate=True))
         except binascii.Error:
             raise ValueError("content is no base64") from None
 
@@ -77,6 +84,39 @@ class Upload:
                 continue
             return path
         raise AssertionError("there is no last number")
+
+
+def forget(path: Path) -> None:
+    """Remove a picture that `Upload.kept` wrote, with its folder where it was the only one."""
+    path.unlink(missing_ok=True)
+    with suppress(OSError):
+        path.parent.rmdir()
+
+
+def in_given_names(error: InputError, names: Mapping[Path, str]) -> InputError:
+    """Return an error that says the names of pictures as they were given, not as they are kept.
+
+    Parameters
+    ----------
+    error : InputError
+        Of a file that names them.
+    names : mapping of Path to str
+        Names that were given, by the kept pictures.
+    """
+    given = {
+        said: name
+        for path, name in names.items()
+        for said in (str(path), str(Path(path.parent.name, path.name)), path.name)
+    }
+    # The longest first: a path ends with a name.
+    row = sorted(map(re.escape, given), key=len, reverse=True)
+    kept = re.compile(rf"(?<![\w-])(?:{'|'.join(row)})(?!\w)")
+    return InputError(
+        [
+            replace(fault, message=kept.sub(lambda found: given[found[0]], fault.message))
+            for fault in error.faults
+        ]
+    )
 
 
 def _plain(name: str) -> str:
