@@ -22,7 +22,7 @@ from grainfit.atlas import messages as atlas_messages
 from grainfit.bulk_tests.parameter_names import ROLLING
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.calibration.so_far import result_so_far
-from grainfit.campaign.folder_lock import hold
+from grainfit.campaign.folder_lock import hold, is_held
 from grainfit.report import verdict_messages
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.own_model.python_callable import PythonCallable
@@ -342,6 +342,7 @@ def test_an_end_and_a_start_are_seen_while_a_verdict_is_computed(
         wait_for(lambda: now(server.follower)["state"] == "interrupted", 5)
         assert now(server.follower)["title"] == "interrupted"
         with run(file):
+            wait_for(lambda: is_held(work))
             wait_for(lambda: now(server.follower)["state"] == "running", 5)
             assert now(server.follower)["stop"] == {"possible": True, "why": ""}
         done.set()

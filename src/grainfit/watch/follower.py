@@ -140,13 +140,14 @@ class Follower:
         return None if found is None else found.content
 
     def _follow(self) -> None:
-        before: list[object] = []
+        before: object = None
         rest_until = 0.0
         while not self._ending.is_set():
             begun = time.monotonic()
             marks = self._marks()
             # A large store is read seldom, but an end or a start is seen at once.
-            if marks != before and (begun >= rest_until or marks[:_USES] != before[:_USES]):
+            is_other = any(marks[:_USES]) != self._reading.is_running
+            if marks != before and (is_other or begun >= rest_until):
                 before = marks
                 self._read()
                 rest_until = _rest_until(begun)
