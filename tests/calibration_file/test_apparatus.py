@@ -100,6 +100,14 @@ def test_a_given_value_that_is_the_default_stays_given(tmp_path: Path) -> None:
     assert (origins["cylinder_radius"], origins["plate_radius"]) == ("given", "assumed")
 
 
+def test_texts_of_options_are_shown_without_marks_of_code() -> None:
+    example = Path(__file__).parents[2] / "examples" / "discharge_curve" / "calibration.toml"
+    [test] = simulated_tests(gf.load(example).bulk_tests, {})
+    meanings = {name: meaning for name, meaning, *_ in test.options}
+    assert '"measured"' in meanings["flow_until"]
+    assert not any("`" in meaning for meaning in meanings.values())
+
+
 def test_a_heap_that_was_never_described_is_said_so(tmp_path: Path) -> None:
     path = heap_file(tmp_path, "")
     # The starting file gives the plate.

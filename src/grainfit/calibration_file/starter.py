@@ -324,7 +324,7 @@ def _option(key: Key, material: StartingMaterial | None, why_set: str | None) ->
     if why_set is not None:
         yield _with_remark(line, why_set)
         return
-    line = f"# {line}"
+    line, key = f"# {line}", key.in_words()
     remark = f"{key.default}. {key.description}" if key.default else key.description
     whole = _with_remark(line, remark)
     if len(whole) <= _WIDTH:

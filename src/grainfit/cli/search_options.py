@@ -39,6 +39,7 @@ def with_search_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _parameter(option: Key) -> inspect.Parameter:
+    option = option.in_words()
     flag = "--" + option.name.replace("_", "-")
     spelled = f"{flag}/--no-{flag[2:]}" if isinstance(option.kind, Flag) else flag
     declared = typer.Option(

@@ -49,7 +49,7 @@ class Way:
     def options_of(self, test: Mapping[str, Any]) -> list[str]:
         """Return the options that the section of a test in a file leads to."""
         keys = {key.name: key for key in BUILT_IN[self.test].option_keys()}
-        usual = {name: key.default.strip('`"') for name, key in keys.items()}
+        usual = {name: key.in_words().default.strip('"') for name, key in keys.items()}
 
         def applies(option: str) -> bool:
             other, value = self.only.get(option, ("", ""))

@@ -267,7 +267,7 @@ def _way(name: str, test: Mapping[str, Any]) -> Way | None:
 
 
 def _of_option(name: str, key: Key, test: Mapping[str, Any]) -> Question:
-    options = {}
+    key, options = key.in_words(), {}
     if isinstance(key.kind, Choice):
         options = dict.fromkeys(key.kind.options, "")
     elif isinstance(key.kind, Flag):
@@ -280,7 +280,7 @@ def _of_option(name: str, key: Key, test: Mapping[str, Any]) -> Question:
         name,
         str(value).lower() if isinstance(value, bool) else str(value),
         options,
-        usual=key.default.replace("`", "").replace('"', ""),
+        usual=key.default.replace('"', ""),
     )
 
 

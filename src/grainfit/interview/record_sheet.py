@@ -70,7 +70,7 @@ def _head(material: str, moisture: str) -> Iterator[Flowable]:
 
 def _test(way: Way, test: Mapping[str, Any]) -> Iterator[Flowable]:
     kind = BUILT_IN[way.test]
-    keys = {key.name: key for key in kind.option_keys()}
+    keys = {key.name: key.in_words() for key in kind.option_keys()}
     yield Spacer(0, 5 * mm)
     steps = [_paragraph(f"{number}. {step}", _TEXT) for number, step in enumerate(way.steps, 1)]
     drawing = [line_drawing(way.drawing, _WIDTH)] if way.drawing else []

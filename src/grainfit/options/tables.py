@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from grainfit.options import messages
@@ -36,7 +36,7 @@ class Key:
     kind : Kind
         Kind of its value.
     description : str
-        For the editor's completion.
+        For the editor's completion and the documentation, with marks of code.
     required : bool
         Whether its absence is a fault.
     example : str
@@ -51,6 +51,11 @@ class Key:
     required: bool = False
     example: str = ""
     default: str = ""
+
+    def in_words(self) -> Key:
+        """Return the key with plain texts, as pages, paper and terminals show them."""
+        description, default = (text.replace("`", "") for text in (self.description, self.default))
+        return replace(self, description=description, default=default)
 
     def note_missing(self, place: Place) -> None:
         """Note that this key is missing in the table at a place."""

@@ -52,7 +52,7 @@ def _options(test: BulkTest, given: Collection[str] | None) -> Iterator[tuple[st
         if shown:
             yield (
                 key.name,
-                key.description.partition(". ")[0].rstrip("."),
+                key.in_words().description.partition(". ")[0].rstrip("."),
                 shown,
                 origins.get(key.name, ""),
             )
