@@ -68,7 +68,7 @@ ABILITIES: Mapping[str, tuple[str, tuple[str, ...]]] = {
             *("analysis/size_*.py", "analysis/long_runs.py", "analysis/recorded_size.py"),
             *("bulk_tests/size.py", "calibration/twins.py", "calibration_file/twins.py"),
             *("calibration_file/relatives.py", "calibration_file/real_size.py"),
-            *("campaign/near_runs.py", "metamodels/relative_prior.py", "verdict/full_size.py"),
+            *("campaign/near_runs.py", "metamodels/relative_prior.py"),
             *("work_folder/size_*.py", "cli/commands/size.py"),
         ),
     ),

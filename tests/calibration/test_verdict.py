@@ -86,9 +86,16 @@ def judged(
     ],
 )
 def test_a_verdict_follows_the_probability(probability: float, status: str, verdict: str) -> None:
-    found = judged(probability)
+    found = judged(probability, predicted={"angle": 30.6 if probability < 0.5 else 30.0})
     assert found.status == status
     assert found.judgement.responses == {"angle": verdict}
+
+
+def test_an_answer_within_every_tolerance_is_not_missed_because_little_is_known() -> None:
+    found = judged(0.04, standard_errors={"angle": 9.0}, runs_needed=500)
+    assert found.status == "undecided"
+    assert found.judgement.responses == {"angle": "in doubt"}
+    assert isinstance(found.reasons[0], TooMuchScatter)
 
 
 def test_fresh_seeds_that_contradict_the_others_leave_it_undecided() -> None:
@@ -123,7 +130,8 @@ def test_a_target_out_of_reach_is_unreachable_whatever_the_probability() -> None
     ("with_all", "status"), [(0.99, "calibrated"), (0.3, "undecided"), (0.01, "out_of_tolerance")]
 )
 def test_outlying_runs_count_and_are_named(with_all: float, status: str) -> None:
-    found = judged(with_all, without=0.98, outliers={"angle": OUTLIERS})
+    predicted = {"angle": 31.0 if status == "out_of_tolerance" else 30.0}
+    found = judged(with_all, without=0.98, outliers={"angle": OUTLIERS}, predicted=predicted)
     assert found.status == status
     assert str(found.reasons[-1]).startswith(
         "angle: 1 outlying run of 20 (seed 4711), up to 6° below the prediction by the others."
@@ -201,6 +209,7 @@ def test_scatter_is_said_only_where_runs_tell_it_from_a_trend() -> None:
     # Five runs of two parameters: what a metamodel cannot explain need not be scatter.
     known = {
         "without_trend": ("angle",),
+        "predicted": {"angle": 40.0},
         "quality": {"angle": MetamodelQuality(0.1, 0.95, 9.0, noise_range=(1.0, 9.0))},
     }
     assert judged(0.01, **known).reasons == ()

@@ -32,8 +32,8 @@ from grainfit.report import verdict_messages as of_report
 from grainfit.result import RunCounts, RunSummary
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.verdict import messages as of_verdict
-from grainfit.verdict.full_size import probability_within, status_at_full_size
 from grainfit.verdict.reasons import FullSizeMade, FullSizePending, RealTest
+from grainfit.verdict.rule import probability_within
 
 POT = """
 name = "pot"
@@ -327,12 +327,9 @@ def test_a_finished_result_survives_ctrl_c_in_a_search_before_its_own(
     assert gf.open(tmp_path).result == first
 
 
-def test_status_at_full_size() -> None:
+def test_the_probability_of_a_response_within_its_tolerance() -> None:
     assert probability_within(30.0, 0.5, 30.0, 0.98) == pytest.approx(0.95, abs=1e-3)
     assert probability_within(30.0, 0.0, 31.0, 0.5) == 0.0
-    assert status_at_full_size([0.99, 0.97], 0.95) == "calibrated"
-    assert status_at_full_size([0.96, 0.96], 0.95) == "undecided"
-    assert status_at_full_size([0.99, 0.01], 0.95) == "out_of_tolerance"
 
 
 def test_targets_are_those_of_the_laboratory_and_less_sure() -> None:

@@ -39,6 +39,17 @@ def noisy_runs(n: int, noise: float, seed: int, d: int = 2) -> tuple[np.ndarray,
     return points, response(points) + scatter
 
 
+def test_scatter_is_told_from_curvature_by_many_runs_alone() -> None:
+    def told(runs: int, noise: float) -> int:
+        fits = (Kriging.fit(*noisy_runs(runs, noise, seed)) for seed in range(10))
+        return sum(fit.tells_scatter for fit in fits)
+
+    # Six runs are enough for a linear trend, whose residuals may be curvature.
+    assert told(6, 0.05) <= 3
+    assert told(24, 0.05) >= 9
+    assert told(24, 0.0) == 0
+
+
 @pytest.fixture(scope="module")
 def good() -> Kriging:
     return Kriging.fit(*noisy_runs(26, 0.1, 3))

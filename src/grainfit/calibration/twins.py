@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from grainfit.problem import Problem, Target
 from grainfit.result import ResponseResult, Result
 from grainfit.student import NORMAL_QUANTILE
-from grainfit.verdict.full_size import probability_within, status_at_full_size, verdict_of
 from grainfit.verdict.reasons import FullSizeMade, FullSizePending, RealTest, Reason
+from grainfit.verdict.rule import probability_within, status_by, verdict_by
 
 
 @dataclass(frozen=True)
@@ -122,9 +122,11 @@ class Twins:
             found = _expected(responses[one.target], expected, error, confidence)
             responses[one.target] = found
         kept = tuple(one for one in result.reasons if not isinstance(one, FullSizePending))
-        status = status_at_full_size(
-            (found.probability or 0.0 for found in responses.values()), confidence
+        every = math.prod(found.probability or 0.0 for found in responses.values())
+        is_off = any(
+            abs(found.predicted - found.target) > found.tolerance for found in responses.values()
         )
+        status = status_by(every, confidence, is_off=is_off)
         return _with(replace(result, status=status), responses, (*made, *kept))
 
 
@@ -150,7 +152,9 @@ def _expected(
         standard_error=error,
         deviation_percent=deviation,
         probability=probability,
-        verdict=verdict_of(probability, confidence),
+        verdict=verdict_by(
+            probability, confidence, is_off=abs(expected - found.target) > found.tolerance
+        ),
         # Fresh seeds of a twin verify nothing of the laboratory's apparatus.
         verified_mean=None,
         verified_standard_error=None,

@@ -54,6 +54,8 @@ _LARGEST_BLOCK = 4096
 _ROUNDS = 2
 #: Ratios to a relative that are less likely than the most probable one by this factor are left out.
 _SMALLEST_SHARE = 1e-3
+#: Scatter is not told where less than a half of it has at least this probability.
+_SMALL_NOISE, _DOUBT = 2.0, 0.1
 #: With a smaller Q2, a metamodel predicts a run hardly better than the mean of all runs does.
 POOR_Q2 = 0.5
 
@@ -287,6 +289,16 @@ class Kriging(OneLine):
     def tells_trend(self) -> bool:
         """Whether the runs are enough to tell a trend from chance, and so the scatter from both."""
         return self.n >= self._runs_for_trend
+
+    @property
+    def tells_scatter(self) -> bool:
+        """Whether the runs tell the scatter: from a trend, and from what bends it.
+
+        With few runs, hyperparameters of much and of little scatter may be about as probable.
+        """
+        noise = np.sqrt([c.hyperparameters.noise_variance for c in self._components])
+        is_small = self._scale * noise < self.noise_standard_deviation / _SMALL_NOISE
+        return self.tells_trend and float(self._weights @ is_small) < _DOUBT
 
     @property
     def _runs_for_trend(self) -> int:

@@ -43,7 +43,8 @@ class Result(Summary, OneLine):
         ``calibrated``: with the demanded probability (0.95 by default), every expected response is
         within its tolerance by all runs, and fresh seeds at the answer do not contradict it.
         ``out_of_tolerance``: with that probability, some expected response is not, at the best
-        parameter set found. ``unreachable``: the same for every parameter set within the intervals.
+        parameter set found, and one is beyond its tolerance. ``unreachable``: the same for every
+        parameter set within the intervals.
         ``undecided``: the runs establish neither. ``predicted``: every target is met by smaller
         apparatus alone. ``interrupted``: it was stopped before its end.
     parameters : mapping of str to float

@@ -125,7 +125,7 @@ def make_answer(
         without_trend=tuple(
             name
             for name, model in zip(names, metamodels.models, strict=True)
-            if not model.tells_trend
+            if not model.tells_scatter
         ),
         reduction=metamodels.reduction if metamodels.reduction.bases else None,
     )

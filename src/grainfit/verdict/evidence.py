@@ -127,6 +127,11 @@ class TargetEvidence:
     has_trend: bool = True
 
     @property
+    def is_off(self) -> bool:
+        """Whether the expected response is beyond its tolerance."""
+        return abs(self.expected - self.value) > self.tolerance
+
+    @property
     def known_noise(self) -> float | None:
         """Standard deviation of an evaluation; None where it may as well be a trend."""
         if self.has_trend:

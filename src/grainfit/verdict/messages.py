@@ -97,8 +97,7 @@ TOO_MUCH_SCATTER = Message(
 )
 TOO_FEW_RUNS = Message(
     "Every expected response is within its tolerance with a probability of {probability}, and "
-    "{confidence} is demanded. The runs are too few to tell how {targets} depends on the "
-    "parameters from how it scatters.",
+    "{confidence} is demanded. The runs are too few to tell trends of {targets} from scatter.",
     "Allow more runs.",
 )
 ON_THE_EDGE = Message(

@@ -82,7 +82,12 @@ def judge(evidence: Evidence) -> Judgement:
     return Judgement(
         _status(evidence, in_doubt=doubted),
         {
-            one.name: _verdict(one.probability, confidence, one.name in {*contradicted, *unread})
+            one.name: verdict_by(
+                one.probability,
+                confidence,
+                is_off=one.is_off,
+                in_doubt=one.name in {*contradicted, *unread},
+            )
             for one in evidence.targets
         },
         {one.name: _verdict_on_curve(one, evidence, contradicted) for one in evidence.curves},
@@ -97,15 +102,57 @@ def _status(evidence: Evidence, *, in_doubt: bool) -> Status:
     if any(curve.has_other_shape for curve in evidence.curves):
         return "out_of_tolerance"
     probability = evidence.probability_all_met
-    if probability >= evidence.confidence and not in_doubt:
+    is_off = any(one.is_off for one in evidence.targets)
+    return status_by(probability, evidence.confidence, is_off=is_off, in_doubt=in_doubt)
+
+
+def status_by(
+    probability: float, confidence: float, *, is_off: bool, in_doubt: bool = False
+) -> Status:
+    """Return the verdict on an answer.
+
+    A small probability alone is no miss: where little is known, it may be that of the best answer.
+
+    Parameters
+    ----------
+    probability, confidence : float
+        That every expected response is within its tolerance, and the demanded one.
+    is_off : bool
+        Whether an expected response is beyond its tolerance.
+    in_doubt : bool
+        Whether something else keeps it from being calibrated.
+    """
+    if probability >= confidence and not in_doubt:
         return "calibrated"
-    return "out_of_tolerance" if probability <= 1 - evidence.confidence else "undecided"
+    return "out_of_tolerance" if is_off and probability <= 1 - confidence else "undecided"
 
 
-def _verdict(probability: float, confidence: float, contradicted: bool) -> Verdict:
-    if probability <= 1 - confidence:
+def probability_within(expected: float, error: float, value: float, tolerance: float) -> float:
+    """Return the probability that an expected response is within a tolerance of a value.
+
+    Parameters
+    ----------
+    expected, error : float
+        The response and its standard error, normally distributed.
+    value, tolerance : float
+        The measured value, and the largest accepted deviation.
+    """
+    if error <= 0:
+        return float(abs(expected - value) <= tolerance)
+
+    def below(limit: float) -> float:
+        return 0.5 * (1 + math.erf((limit - expected) / (error * math.sqrt(2))))
+
+    return below(value + tolerance) - below(value - tolerance)
+
+
+def verdict_by(
+    probability: float, confidence: float, *, is_off: bool, in_doubt: bool = False
+) -> Verdict:
+    """Return the verdict on a response; parameters are those of `status_by`."""
+    if is_off and probability <= 1 - confidence:
         return "missed"
-    return "met" if probability >= confidence and not contradicted else "in doubt"
+    return "met" if probability >= confidence and not in_doubt else "in doubt"
 
 
 def _verdict_on_curve(
@@ -116,7 +163,8 @@ def _verdict_on_curve(
     parts = [one for one in evidence.targets if one.curve == curve.name]
     is_contradicted = any(one.name in contradicted for one in parts)
     probability = min(one.probability for one in parts)
-    return _verdict(probability, evidence.confidence, is_contradicted)
+    is_off = any(one.is_off for one in parts)
+    return verdict_by(probability, evidence.confidence, is_off=is_off, in_doubt=is_contradicted)
 
 
 def is_contradicted(target: TargetEvidence) -> bool:
@@ -212,9 +260,12 @@ def reasons_for(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
     for curve in evidence.curves:
         if curve.has_other_shape:
             yield OtherShape(curve.name, curve.shape_probability)
+    missed = [one.target for one in evidence.out_of_reach]
     for target in evidence.targets:
         if not target.curve:
-            yield from _about_runs(target, judgement)
+            # What no parameter set reaches, no number of runs does.
+            is_doubted = judgement.status != "calibrated" and target.name not in missed
+            yield from _about_runs(target, is_doubted=is_doubted)
     for test in evidence.deterministic:
         yield Deterministic(test)
 
@@ -243,7 +294,7 @@ def _not_together(evidence: Evidence, judgement: Judgement) -> Iterator[Reason]:
         yield NotTogether(tuple(evidence.correlated))
 
 
-def _about_runs(target: TargetEvidence, judgement: Judgement) -> Iterator[Reason]:
+def _about_runs(target: TargetEvidence, *, is_doubted: bool) -> Iterator[Reason]:
     """Yield what is unusual about the runs of a response."""
     if target.outlying is not None:
         yield target.outlying
@@ -254,7 +305,7 @@ def _about_runs(target: TargetEvidence, judgement: Judgement) -> Iterator[Reason
         yield ScatterChanges(target.name, target.unit, *target.noise_range, noise)
     if target.has_two_states:
         yield TwoStates(target.name)
-    if judgement.status != "calibrated":
+    if is_doubted:
         value = target.value if target.is_relative else None
         scatter = noise * math.sqrt(target.repeats)
         found = useless_scatter(target.name, target.unit, scatter, target.tolerance, value)
