@@ -206,17 +206,19 @@ def test_heaps_of_other_sizes_are_compared_by_their_slopes(measured: Path, tmp_p
 
 def test_the_watch_page_has_them_and_follows_newer_runs(work: Path) -> None:
     latest, saved = LatestDrawings(), gf.open(work)
-    assert latest.update(saved)
-    first = latest.found["photographs"]
+    latest.update(saved)
+    first = latest.found(saved.identity)["photographs"]
     assert "drawn-target" in json.loads(first.content)
-    assert not latest.update(saved)
+    latest.update(saved)
+    assert latest.found(saved.identity)["photographs"] is first
 
     # Of an earlier moment, another run was the best.
     earlier = LatestDrawings()
     earlier.update(
         type(saved)(**{**vars(saved), "evaluations": saved.evaluations[:1], "result": None})
     )
-    assert earlier.found["photographs"].about["run"] != first.about["run"]
+    found = earlier.found(saved.identity)["photographs"]
+    assert found.about["run"] != first.about["run"]
 
 
 @needs.CHROMIUM
