@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 import grainfit as gf
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
+from grainfit.atlas.forecast import Forecast
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED
 from grainfit.atlas.strata import strata
@@ -48,6 +49,18 @@ def _of_angle(angle: float, uncertainty: float = 1.0) -> gf.Problem:
 def _about(name: str, value: float) -> tuple[float, float]:
     """Return an interval about a value; an aspect ratio has ends."""
     return (1.1, 2.0) if name == ASPECT_RATIO else (value / 2, 2 * value)
+
+
+def test_what_the_atlas_misses_of_a_heap_makes_it_higher_and_narrower() -> None:
+    names = ("bulk_density", "base_radius", "heap_height")
+    problem = gf.Problem(FRICTIONS, [gf.Target(name, 1.0, uncertainty=0.1) for name in names])
+
+    found = Forecast(problem, _heaps()).correlation
+
+    assert found == pytest.approx(found.T)
+    assert found.diagonal() == pytest.approx(1.0)
+    assert found[1, 2] < -0.3
+    assert abs(found[0, 1]) < 0.3
 
 
 class OwnModel(gf.Solver):

@@ -329,7 +329,7 @@ def estimate_of(
 
     def log_density(points: Array) -> Array:
         means, variances = forecast.predict(points)
-        found = likelihood.logarithms(means, variances + misses**2)
+        found = likelihood.logarithms(means, variances + misses**2, forecast.correlation)
         found = found + np.where(forecast.is_inside(points), 0.0, _NOWHERE)
         return np.asarray(found + log_prior(problem, points) + np.log(forecast.chance(points)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -106,6 +107,17 @@ class Forecast:
             means.append(mean * unit)
             variances.append(variance * unit**2)
         return np.column_stack(means), np.column_stack(variances)
+
+    @cached_property
+    def correlation(self) -> Array:
+        """Correlation of the errors of the predictions, shape (targets, targets)."""
+        found = np.eye(len(self._told))
+        for reading in {id(one.reading): one.reading for one in self._told}.values():
+            own = [place for place, one in enumerate(self._told) if one.reading is reading]
+            surrogate = self._atlas.require(reading.stratum.name)
+            names = [self._told[place].response for place in own]
+            found[np.ix_(own, own)] = surrogate.correlation(names)
+        return found
 
     def is_inside(self, points: ArrayLike) -> Array:
         """Return which points of the cube are not outside of the rows, shape (m,)."""

@@ -214,6 +214,7 @@ class Surrogate:
         self.rows = tuple(rows)
         rows = [*rows, *stratum.with_limit(dry)]
         self.models: dict[str, ResponseModel] = {}
+        self._has: dict[str, NDArray[np.bool_]] = {}
         self._chances: dict[bytes, Kriging] = {}
         points = points_of(rows, stratum.ranges)
         for name in kind.responses:
@@ -228,7 +229,22 @@ class Surrogate:
                 one = plain[name]
                 chance = self._chance(has, points, plain["chances"][one["chance"]])
                 model = ResponseModel.from_plain(one, *given, chance)
-            self.models[name] = model
+            self.models[name], self._has[name] = model, has
+
+    def correlation(self, names: Sequence[str]) -> Array:
+        """Return the correlation of the errors of responses, shape (responses, responses).
+
+        A heap that is steeper than its neighbours tell is higher and narrower, too. It is that of
+        the residuals of rows left out; where few rows have all responses, they are independent.
+        """
+        common = np.all([self._has[name] for name in names], axis=0)
+        if len(names) < 2 or common.sum() < FEWEST_ROWS:
+            return np.eye(len(names))
+        residuals = [
+            self.models[name].kriging.standardised_residuals()[common[self._has[name]]]
+            for name in names
+        ]
+        return np.asarray(np.corrcoef(residuals))
 
     def _chance(self, has: NDArray[np.bool_], points: Array, plain: Any) -> Kriging:
         """Return the metamodel of the chance of a response; those of one run have the same."""

@@ -38,24 +38,29 @@ class Likelihood:
         if problem.correlations:
             self._covariance = problem.correlation_matrix * np.outer(deviations, deviations)
 
-    def logarithms(self, means: Array, errors: Array) -> Array:
+    def logarithms(self, means: Array, errors: Array, correlation: Array | None = None) -> Array:
         """Return logarithms of the likelihood, but for a constant, shape (m,).
 
         Parameters
         ----------
         means, errors : ndarray, shape (m, targets)
             Expected responses and the variances of their metamodels.
+        correlation : ndarray, shape (targets, targets), optional
+            Of the errors of the metamodels; without it they are independent.
         """
-        if self._covariance is not None:
-            return self._correlated(means, errors, self._covariance)
+        if self._covariance is not None or correlation is not None:
+            return self._correlated(means, errors, correlation)
         total = self._variances + errors
         # A point must not look good only because it is uncertain.
         off = (means - self._measured) ** 2 / total
         return np.asarray(-0.5 * (off + np.log(total)).sum(axis=1))
 
-    def _correlated(self, means: Array, errors: Array, covariance: Array) -> Array:
-        # The metamodels are fitted one by one: their errors are independent.
-        total = covariance + errors[:, :, None] * np.eye(len(self._measured))
+    def _correlated(self, means: Array, errors: Array, correlation: Array | None) -> Array:
+        measured = np.diag(self._variances) if self._covariance is None else self._covariance
+        # Metamodels that are fitted one by one have independent errors.
+        between = np.eye(len(self._measured)) if correlation is None else correlation
+        deviations = np.sqrt(errors)
+        total = measured + between * deviations[:, :, None] * deviations[:, None, :]
         factors = np.linalg.cholesky(total)
         off = np.linalg.solve(factors, (means - self._measured)[..., None])[..., 0]
         logarithms = np.log(np.diagonal(factors, axis1=1, axis2=2))
