@@ -68,15 +68,16 @@ def made(run: Run) -> dict[str, Any]:
 def simulate_materials(kept: Path, name: str, count: int, processes: int) -> None:
     """Simulate the runs that are missing until there are so many materials of a stratum."""
     stratum, found, at = strata()[name], 0, _FIRST
+    records = read(kept, Run)
     with ProcessPoolExecutor(processes) as pool:
         while found < count:
             for seeds in (range(_TRIED), range(_TRIED, _SEEDS)):
-                known = read(kept, Run)
-                missing = [run for seed in seeds if (run := Run(name, at, seed)) not in known]
+                missing = [run for seed in seeds if (run := Run(name, at, seed)) not in records]
                 write(kept, zip(missing, pool.map(made, missing), strict=True))
-                if len(_whole(read(kept, Run), stratum, at)) < _TRIED - 1:
+                records = read(kept, Run)
+                if len(_whole(records, stratum, at)) < _TRIED - 1:
                     break
-            found += fresh_row(read(kept, Run), stratum, at) is not None
+            found += fresh_row(records, stratum, at) is not None
             at += 1
             print(f"{name}: {found} of {count} materials of {at - _FIRST} points", file=sys.stderr)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -108,11 +108,16 @@ class Forecast:
             variances.append(variance * unit**2)
         return np.column_stack(means), np.column_stack(variances)
 
+    @property
+    def _readings(self) -> Iterable[Reading]:
+        """Tests of the targets, each once."""
+        return {id(one.reading): one.reading for one in self._told}.values()
+
     @cached_property
     def correlation(self) -> Array:
         """Correlation of the errors of the predictions, shape (targets, targets)."""
         found = np.eye(len(self._told))
-        for reading in {id(one.reading): one.reading for one in self._told}.values():
+        for reading in self._readings:
             own = [place for place, one in enumerate(self._told) if one.reading is reading]
             surrogate = self._atlas.require(reading.stratum.name)
             names = [self._told[place].response for place in own]
@@ -132,7 +137,7 @@ class Forecast:
     def _outside(self, points: ArrayLike) -> Iterator[tuple[Reading, str, Array]]:
         """Yield every reading and input with which points are outside of its rows."""
         values = values_at(self._parameters, np.atleast_2d(np.asarray(points)))
-        for reading in {id(one.reading): one.reading for one in self._told}.values():
+        for reading in self._readings:
             for name, found in reading.outside(values).items():
                 yield reading, name, found
 

@@ -459,8 +459,8 @@ class CalibrationLoop:
         """
         costs = {one.name: one.cost or 0.0 for one in self._strategy.problem.relatives}
         runs = [name_of_test(run) for evaluation in evaluations for run in evaluation.runs]
-        spared = sum(1.0 - costs.get(test, 1.0) for test in runs)
-        return len(runs) - math.ceil(spared - _ROUNDING)
+        spent = sum(costs.get(test, 0.0) for test in runs)
+        return sum(test not in costs for test in runs) + math.floor(spent + _ROUNDING)
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
         """Return the answer that an earlier start was verifying when it ended."""

@@ -123,9 +123,7 @@ class Twins:
             responses[one.target] = found
         kept = tuple(one for one in result.reasons if not isinstance(one, FullSizePending))
         every = math.prod(found.probability or 0.0 for found in responses.values())
-        is_off = any(
-            abs(found.predicted - found.target) > found.tolerance for found in responses.values()
-        )
+        is_off = any(found.is_off for found in responses.values())
         status = status_by(every, confidence, is_off=is_off)
         return _with(replace(result, status=status), responses, (*made, *kept))
 
@@ -146,15 +144,12 @@ def _expected(
     deviation = None
     if found.deviation_percent is not None:
         deviation = 100 * (expected - found.target) / abs(found.target)
+    found = replace(found, predicted=expected, standard_error=error)
     return replace(
         found,
-        predicted=expected,
-        standard_error=error,
         deviation_percent=deviation,
         probability=probability,
-        verdict=verdict_by(
-            probability, confidence, is_off=abs(expected - found.target) > found.tolerance
-        ),
+        verdict=verdict_by(probability, confidence, is_off=found.is_off),
         # Fresh seeds of a twin verify nothing of the laboratory's apparatus.
         verified_mean=None,
         verified_standard_error=None,

@@ -12,7 +12,7 @@ from grainfit.formatting import millimetres, percent
 from grainfit.materials import messages
 from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
 from grainfit.one_line import OneLine
-from grainfit.validation import as_number, number_list_faults, plain, plain_tuple
+from grainfit.validation import as_number, number_list_faults, plain_tuple, set_plain
 
 if TYPE_CHECKING:
     from grainfit.arrays import Array
@@ -84,7 +84,7 @@ class ParticleSizes(OneLine):
     def __post_init__(self) -> None:
         for key in ("diameters", "mass_fractions"):
             object.__setattr__(self, key, plain_tuple(getattr(self, key)))
-        object.__setattr__(self, "coarse_graining", plain(self.coarse_graining))
+        set_plain(self, "coarse_graining")
         InputError.raise_for(
             number_list_faults("particle.diameter", self.diameters)
             + number_list_faults("mass_fractions", self.mass_fractions)

@@ -85,6 +85,11 @@ class ResponseResult(OneLine):
         )
 
     @property
+    def is_off(self) -> bool:
+        """Whether the predicted response is beyond its tolerance."""
+        return abs(self.predicted - self.target) > self.tolerance
+
+    @property
     def expected(self) -> tuple[float, float]:
         """Expected response, by all runs, and half of its 95 % interval."""
         if self.probability is None and self.verified_mean is not None and self.verified_interval:
