@@ -88,7 +88,7 @@ def _errors(
         model = used.models.get(response)
         if model is None or len(others) < _FEWEST_LEFT_OUT:
             continue
-        found, _ = row_values(stratum.kind, response, others)
+        found, _ = row_values(stratum, response, others)
         mean, deviation = _of_a_run(model, points_of(others, stratum.ranges))
         off.append(mean - found)
         expected.append(deviation)

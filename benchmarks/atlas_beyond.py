@@ -61,7 +61,7 @@ def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array,
     rows = [row for row in surrogate.rows if response in row.responses]
     ranges = stratum.ranges
     points, column = points_of(rows, ranges), list(ranges).index(option)
-    values, _ = row_values(stratum.kind, response, rows)
+    values, _ = row_values(stratum, response, rows)
     whole = surrogate.models[response]
     errors, stated = [], []
     followed = _followed(stratum)

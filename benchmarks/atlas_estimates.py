@@ -32,7 +32,6 @@ from grainfit.atlas.shelf import SHIPPED, Atlas, rows_of
 from grainfit.atlas.strata import ROW_SCALE, Stratum, strata
 from grainfit.atlas.surrogate import points_of
 from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
-from grainfit.bulk_tests.size import size_power
 from grainfit.errors import InputError
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.dem.lammps.program import Lammps
@@ -121,8 +120,8 @@ def estimated(
         if is_mean:
             value += laboratory * float(random.standard_normal())
         else:
-            grown = row.inputs["size"] ** (size_power(stratum.kind, name) or 0.0)
-            error = float(model.scatter(at)[0]) * unit * grown
+            scatter = float(model.scatter(at)[0]) * stratum.proportion(name, row.inputs)
+            error = scatter * unit
         targets.append(Target(name, value, uncertainty=math.hypot(error, laboratory)))
     fixed = {name: one for name, one in material.items() if name not in _FREE}
     return estimate_of(

@@ -121,7 +121,7 @@ def of_responses(kept: Path, names: Sequence[str], atlas: Atlas) -> Iterator[str
         rows = fresh_rows(kept, stratum)
         points = points_of(rows, stratum.ranges)
         for response, model in atlas.require(name).models.items():
-            values, errors = row_values(stratum.kind, response, rows)
+            values, errors = row_values(stratum, response, rows)
             told, variances = model.predict(points)
             unit = stratum.kind.responses[response].unit
             off = np.abs(told - values)

@@ -17,9 +17,8 @@ from scipy.stats import norm
 
 from grainfit.atlas.row import Row
 from grainfit.atlas.shelf import Atlas
-from grainfit.atlas.strata import SIZE, strata
+from grainfit.atlas.strata import strata
 from grainfit.atlas.surrogate import points_of
-from grainfit.bulk_tests.size import size_power
 
 #: Number of sentinels, and the chance that a release that changes nothing is refused.
 COUNT, ERROR = 20, 0.01
@@ -133,8 +132,8 @@ def compare(atlas: Atlas, again: Sequence[tuple[str, Row]]) -> Comparison:
             if response not in row.responses:
                 missing.append(key)
                 continue
-            power = size_power(stratum.kind, response) or 0.0
-            scatter = float(model.scatter(at)[0]) * known.inputs[SIZE] ** power
+            proportion = stratum.proportion(response, known.inputs)
+            scatter = float(model.scatter(at)[0]) * proportion
             values = np.array([row.responses[response], known.responses[response]])
             error = max(math.sqrt(2) * scatter, math.hypot(*values[:, 1]))
             deviations[key] = float(values[0, 0] - values[1, 0]) / error

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from grainfit.bulk_tests.parameter_names import (
     WALL_SLIDING,
 )
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
-from grainfit.bulk_tests.size import size_power
 from grainfit.bulk_tests.stiffness import stiffness_number
 from grainfit.bulk_tests.varied_options import NUMERICAL
 from grainfit.contact_models.registry import contact_law
@@ -99,15 +98,17 @@ class Reading:
             cohesion = _cohesion(solver, self._material)
             own = [one for one in of_test if _are(one.particles, test, cohesion)]
             self.has_own_particles = bool(own)
-            [self.stratum, *_] = own or of_test
+            # A mass that is filled in reaches as high as the density of the particles says.
+            of_material = test.of_material(self._material)
+            self.stratum, inputs = _nearest(own or of_test, of_material)
             if not is_nearest:
                 if not self.has_own_particles:
                     raise NotInAtlasError(_other_particles(of_test, test, cohesion))
                 _require_told_law(solver, self._material, self._walls)
                 self._walls.require_told(self.stratum.varied.values)
-            # A mass that is filled in reaches as high as the density of the particles says.
-            of_material = test.of_material(self._material)
-            self._apparatus = _apparatus_inputs(self.stratum, of_material, is_nearest=is_nearest)
+                if inputs.other:
+                    raise NotInAtlasError(inputs.other[0])
+            self._apparatus = inputs.values
         except InputError as error:
             raise NotInAtlasError(error.reasons) from None
         self.ranges = self.stratum.ranges
@@ -143,15 +144,20 @@ class Reading:
     def inputs(self, material: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs of a material, or of arrays of materials, by name."""
         test, varied = self.test, self.stratum.varied
-        weight = material[DENSITY] * float(test.gravity) * test.sizes.sauter_diameter
         options = test.resolved_options()
         return {
             **{name: self._of_material(name, material) for name in self.stratum.particles.material},
             STIFFNESS: stiffness_number(test, material),
             **self._apparatus,
             **{name: self._as_number(name, options[name], material) for name in varied.values},
-            **{name: options[name] / weight for name in varied.loads},
+            **self._loads(material[DENSITY]),
         }
+
+    def _loads(self, density: Any) -> dict[str, Any]:
+        """Return stresses over the weight of a particle on its cross-section."""
+        options = self.test.resolved_options()
+        weight = self._natural("Pa", density)
+        return {name: options[name] / weight for name in self.stratum.varied.loads}
 
     def _of_material(self, name: str, material: Mapping[str, Any]) -> Any:
         # A test without walls has no parameters of one.
@@ -175,8 +181,8 @@ class Reading:
         """Return the unit of a response of the metamodels in its SI unit, shape (m,) or ()."""
         unit = self.kind.responses[response].unit
         density: Any = values.get(DENSITY, np.asarray(self._material[DENSITY]))
-        grown = self._apparatus[SIZE] ** (size_power(self.kind, response) or 0.0)
-        return np.asarray(grown * self._natural(unit, density))
+        given = {**self._apparatus, **self._loads(density)}
+        return np.asarray(self.stratum.proportion(response, given) * self._natural(unit, density))
 
     def require_inside(self, parameters: Mapping[str, float]) -> None:
         """Raise `NotInAtlasError` with the first input that lies outside of the rows.
@@ -223,7 +229,7 @@ class Reading:
         if name == SIZE:
             return self.ranges[name].at(_SMALLEST)
         low = self.ranges[name].low
-        return min(self.stratum.particles.limit.get(name, low), low)
+        return min(self.stratum.limit.get(name, low), low)
 
     @cached_property
     def _chosen(self) -> Collection[str]:
@@ -322,8 +328,21 @@ def _require_told_law(solver: Solver, material: Mapping[str, float], walls: _Wal
         raise NotInAtlasError(messages.SOFT_WALL())
 
 
-def _apparatus_inputs(stratum: Stratum, test: BulkTest, *, is_nearest: bool) -> dict[str, float]:
-    """Return the inputs of an apparatus that no material changes."""
+class _Apparatus(NamedTuple):
+    """Inputs of an apparatus that no material changes, and why it is none of the rows'."""
+
+    values: Mapping[str, float]
+    other: Sequence[str]
+
+
+def _nearest(known: Iterable[Stratum], test: BulkTest) -> tuple[Stratum, _Apparatus]:
+    """Return the stratum whose apparatus is most like that of a test, the usual one first."""
+    found = [(one, _apparatus(one, test)) for one in known]
+    return min(found, key=lambda pair: len(pair[1].other))
+
+
+def _apparatus(stratum: Stratum, test: BulkTest) -> _Apparatus:
+    """Return the inputs of the apparatus of a test."""
     varied = stratum.varied
     scale = Scale(test.sizes.sauter_diameter, 1.0, float(test.gravity))
     given = test.resolved_options()
@@ -333,30 +352,18 @@ def _apparatus_inputs(stratum: Stratum, test: BulkTest, *, is_nearest: bool) -> 
     size = given[varied.size_option] / reference[varied.size_option]
     usual[SIZE] = float(size ** (1 / varied.size_power))
     at_size = stratum.apparatus(usual, scale).resolved_options()
-    for name in varied.factors:
-        if given[name] is None:
-            raise NotInAtlasError(
-                messages.OTHER_OPTION(
-                    name=name,
-                    value=_shown(test, name, None),
-                    usual=_shown(test, name, at_size[name]),
-                )
-            )
-        usual[name] = given[name] / at_size[name]
-    if is_nearest:
-        return {name: usual[name] for name in (SIZE, *varied.factors)}
+    factors = [name for name in varied.factors if given[name] is not None]
+    usual |= {name: given[name] / at_size[name] for name in factors}
     alike = stratum.apparatus(usual, scale).resolved_options()
-    for name, value in given.items():
-        is_input = name in varied.values or name in (*varied.indifferent, *NUMERICAL)
-        if not is_input and not _is_same(value, alike[name]):
-            raise NotInAtlasError(
-                messages.OTHER_OPTION(
-                    name=name,
-                    value=_shown(test, name, value),
-                    usual=_shown(test, name, alike[name]),
-                )
-            )
-    return {name: usual[name] for name in (SIZE, *varied.factors)}
+    told = (*factors, *varied.values, *varied.indifferent, *NUMERICAL)
+    other = [
+        messages.OTHER_OPTION(
+            name=name, value=_shown(test, name, value), usual=_shown(test, name, alike[name])
+        )
+        for name, value in given.items()
+        if name not in told and not _is_same(value, alike[name])
+    ]
+    return _Apparatus({name: usual[name] for name in (SIZE, *varied.factors)}, other)
 
 
 def _is_same(one: Any, other: Any) -> bool:

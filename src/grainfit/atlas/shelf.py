@@ -111,7 +111,7 @@ class Atlas:
         if hash_of(models) != known["models"]:
             return None
         plain = json.loads(models.read_text(encoding="utf-8"))
-        dry = self._rows(stratum.kind.type) if stratum.particles.limit else []
+        dry = self._rows(stratum.kind.type) if stratum.limit else []
         return Surrogate(stratum, self._rows(name), dry, plain)
 
     def _rows(self, name: str) -> list[Row]:

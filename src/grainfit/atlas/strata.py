@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -21,7 +22,7 @@ from grainfit.bulk_tests.parameter_names import (
     WALL_SLIDING,
 )
 from grainfit.bulk_tests.registry import bulk_tests
-from grainfit.bulk_tests.size import CanBeResized
+from grainfit.bulk_tests.size import CanBeResized, size_power
 from grainfit.bulk_tests.stiffness import UnderLoad, stiffness_number
 from grainfit.bulk_tests.time_steps import usual_time_step_fraction
 from grainfit.bulk_tests.varied_options import InAtlas, Range, VariedOptions
@@ -135,28 +136,31 @@ class Stratum:
     ----------
     kind : type
         Class of the test, which is `InAtlas`.
+    varied : VariedOptions
+        What the rows vary of the apparatus.
     particles : Particles
         The particles.
     """
 
     kind: type[BulkTest]
+    varied: VariedOptions
     particles: Particles = _DRY_SPHERES
 
     @property
     def name(self) -> str:
         """Name of its files."""
-        return "-".join(filter(None, (self.kind.type, self.particles.name)))
+        return "-".join(filter(None, (self.kind.type, self.varied.name, self.particles.name)))
 
     @property
     def title(self) -> str:
-        """The test and the particles in words."""
+        """The test, its apparatus and the particles in words."""
         particles = self.particles.title if self.particles.name else ""
-        return ", ".join(filter(None, (self.kind.title, particles)))
+        return ", ".join(filter(None, (self.kind.title, self.varied.title, particles)))
 
     @property
-    def varied(self) -> VariedOptions:
-        """What the rows vary of the apparatus."""
-        return cast(InAtlas, self.kind).varied
+    def limit(self) -> Mapping[str, float]:
+        """Inputs at which dry spheres in the usual apparatus are the same."""
+        return {**self.particles.limit, **self.varied.limit}
 
     @property
     def ranges(self) -> dict[str, Range]:
@@ -170,8 +174,8 @@ class Stratum:
         return {**material, STIFFNESS: stiffness, **self.varied.ranges}
 
     def with_limit(self, rows: Sequence[Row]) -> list[Row]:
-        """Return rows of dry spheres as rows of these particles; of dry spheres, none."""
-        limit = self.particles.limit
+        """Return rows of dry spheres in the usual apparatus as rows of these; of those, none."""
+        limit = self.limit
         return [replace(row, inputs={**row.inputs, **limit}) for row in rows] if limit else []
 
     def simulated(self, inputs: Mapping[str, float]) -> Simulated:
@@ -202,9 +206,18 @@ class Stratum:
         factors = {**varied.wider, **{name: inputs[name] for name in varied.factors}}
         for name, factor in factors.items():
             options[name] = factor * options.get(name, values[name])
-        options |= {name: inputs[name] for name in varied.values}
+        options |= {name: _whole(values[name], inputs[name]) for name in varied.values}
         options |= {name: inputs[name] * scale.of("Pa") for name in varied.loads}
         return self.kind(sizes, gravity=scale.gravity, **options)
+
+    def powers(self, response: str) -> dict[str, float]:
+        """Return the powers of inputs that a response follows by itself: of size and load."""
+        loads = self.varied.loads if response in self.varied.per_load else ()
+        return {SIZE: size_power(self.kind, response) or 0.0, **dict.fromkeys(loads, 1.0)}
+
+    def proportion(self, response: str, inputs: Mapping[str, Any]) -> Any:
+        """Return the product of these powers."""
+        return math.prod(inputs[name] ** power for name, power in self.powers(response).items())
 
     def _at_size(self, usual: BulkTest, size: float) -> dict[str, Any]:
         found = cast(CanBeResized, usual).at_size(size)
@@ -220,5 +233,11 @@ def strata() -> Mapping[str, Stratum]:
 def _strata() -> Iterator[Stratum]:
     for kind in bulk_tests().values():
         if isinstance(kind, InAtlas):
-            yield Stratum(kind)
-            yield from (Stratum(kind, _PARTICLES[name]) for name in kind.varied.particles)
+            for varied in kind.varied:
+                yield Stratum(kind, varied)
+                yield from (Stratum(kind, varied, _PARTICLES[name]) for name in varied.particles)
+
+
+def _whole(usual: Any, value: float) -> float | int:
+    """Return a value as a whole number where the usual one is: there is no half tap."""
+    return round(value) if isinstance(usual, int) else value

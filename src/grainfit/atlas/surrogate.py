@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from grainfit.arrays import Array
 from grainfit.atlas.row import Row
-from grainfit.atlas.strata import SIZE, Stratum
-from grainfit.bulk_tests.base import BulkTest
-from grainfit.bulk_tests.size import size_power
+from grainfit.atlas.strata import Stratum
 from grainfit.bulk_tests.varied_options import Range
 from grainfit.metamodels.kriging import Kriging
 
@@ -57,7 +55,7 @@ class ResponseModel:
     @classmethod
     def fit(
         cls,
-        kind: type[BulkTest],
+        stratum: Stratum,
         name: str,
         points: Array,
         rows: Sequence[Row],
@@ -69,9 +67,9 @@ class ResponseModel:
         Its inflation is that of the first ``own`` rows alone.
         """
         has = _has(name, rows)
-        values, errors = row_values(kind, name, rows)
+        values, errors = row_values(stratum, name, rows)
         is_wide = bool(values.min() > 0 and values.max() > _WIDE * values.min())
-        is_logarithm = is_wide and kind.responses[name].unit != _ANGLE
+        is_logarithm = is_wide and stratum.kind.responses[name].unit != _ANGLE
         if is_logarithm:
             values, errors = np.log(values), errors / values
         stated = errors if (errors > 0).all() else None
@@ -83,7 +81,7 @@ class ResponseModel:
     def from_plain(
         cls,
         plain: Mapping[str, Any],
-        kind: type[BulkTest],
+        stratum: Stratum,
         name: str,
         points: Array,
         rows: Sequence[Row],
@@ -96,7 +94,7 @@ class ResponseModel:
         KeyError, TypeError, ValueError
             The data belongs to other rows.
         """
-        values, _ = row_values(kind, name, rows)
+        values, _ = row_values(stratum, name, rows)
         is_logarithm = bool(plain["is_logarithm"])
         values = np.log(values) if is_logarithm else values
         kriging = Kriging.from_plain(plain["kriging"], points[_has(name, rows)], values)
@@ -210,18 +208,17 @@ class Surrogate:
         dry: Sequence[Row] = (),
         plain: Mapping[str, Any] | None = None,
     ) -> None:
-        kind = stratum.kind
         self.rows = tuple(rows)
         rows = [*rows, *stratum.with_limit(dry)]
         self.models: dict[str, ResponseModel] = {}
         self._has: dict[str, NDArray[np.bool_]] = {}
         self._chances: dict[bytes, Kriging] = {}
         points = points_of(rows, stratum.ranges)
-        for name in kind.responses:
+        for name in stratum.kind.responses:
             has = _has(name, rows)
             if has.sum() < FEWEST_ROWS or has[: len(self.rows)].sum() < _FEWEST_OWN:
                 continue
-            given = kind, name, points, rows
+            given = stratum, name, points, rows
             if plain is None:
                 chance = self._chance(has, points, None)
                 model = ResponseModel.fit(*given, chance, len(self.rows))
@@ -287,11 +284,10 @@ def _has(name: str, rows: Sequence[Row]) -> NDArray[np.bool_]:
     return np.array([name in row.responses for row in rows])
 
 
-def row_values(kind: type[BulkTest], name: str, rows: Sequence[Row]) -> tuple[Array, Array]:
-    """Return values and standard errors of a response, without what the size does by itself."""
-    power = size_power(kind, name) or 0.0
+def row_values(stratum: Stratum, name: str, rows: Sequence[Row]) -> tuple[Array, Array]:
+    """Return values and standard errors of a response over what it is proportional to."""
     found = [
-        np.array(row.responses[name]) / row.inputs[SIZE] ** power
+        np.array(row.responses[name]) / stratum.proportion(name, row.inputs)
         for row in rows
         if name in row.responses
     ]

@@ -7,9 +7,7 @@ from typing import Any
 from grainfit.atlas.shelf import Atlas
 from grainfit.atlas.strata import Stratum, strata
 from grainfit.atlas.surrogate import ResponseModel, Surrogate
-from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.heap import Heap
-from grainfit.bulk_tests.size import size_power
 from grainfit.formatting import unit_for_people
 from grainfit.report.package_page import package_page
 from grainfit.report.page import element_text, page_part
@@ -45,7 +43,6 @@ def atlas_page(atlas: Atlas) -> str:
 
 
 def _test(stratum: Stratum, surrogate: Surrogate) -> dict[str, Any]:
-    kind = stratum.kind
     return {
         "name": stratum.name,
         "title": stratum.title,
@@ -60,7 +57,7 @@ def _test(stratum: Stratum, surrogate: Surrogate) -> dict[str, Any]:
             }
             for name, span in stratum.ranges.items()
         ],
-        "responses": [_response(kind, name, model) for name, model in surrogate.models.items()],
+        "responses": [_response(stratum, name, model) for name, model in surrogate.models.items()],
     }
 
 
@@ -73,15 +70,15 @@ def _words(stratum: Stratum, name: str) -> str:
     return f"{words.replace('_', ' ')}{natural}{usual}"
 
 
-def _response(kind: type[BulkTest], name: str, model: ResponseModel) -> dict[str, Any]:
-    info = kind.responses[name]
+def _response(stratum: Stratum, name: str, model: ResponseModel) -> dict[str, Any]:
+    info = stratum.kind.responses[name]
     unit = info.unit
     return {
         "name": name.replace("_", " "),
         "unit": unit_for_people(unit),
         "powers": powers(unit),
         "limits": info.limits,
-        "size_power": size_power(kind, name) or 0.0,
+        "powers_of_inputs": stratum.powers(name),
         "is_logarithm": model.is_logarithm,
         "inflation": model.inflation,
         "model": model.kriging.to_plain(factors=False),

@@ -71,8 +71,10 @@
     const density = number("atlas-density", 1);
     const [mass, length, time] = response.powers;
     const natural = (density * d ** 3) ** mass * d ** length * Math.sqrt(d / GRAVITY) ** time;
-    const size = test.inputs.findIndex((input) => input.name === "size");
-    return natural * valueAt(test.inputs[size], point[size]) ** response.size_power;
+    return Object.entries(response.powers_of_inputs).reduce((unit, [name, power]) => {
+      const index = test.inputs.findIndex((input) => input.name === name);
+      return unit * valueAt(test.inputs[index], point[index]) ** power;
+    }, natural);
   }
 
   function expected(response, point) {

@@ -73,7 +73,7 @@ OF_FLANKS = Range(0.0, 0.5, power=1 / 3)
 
 @dataclass(frozen=True)
 class VariedOptions(OneLine):
-    """Options of a test that the rows of the atlas vary.
+    """Options of one apparatus of a test that the rows of the atlas vary.
 
     Parameters
     ----------
@@ -81,6 +81,10 @@ class VariedOptions(OneLine):
         The option that tells how large an apparatus is.
     size : Range
         Its size over the usual one; responses follow the reciprocal, with 0 of a large apparatus.
+    name : str
+        Name of the apparatus, part of that of its rows; that of the usual one is empty.
+    title : str
+        It in words.
     size_power : float
         Power of the size that the option follows: 3 of a volume.
     factors : mapping of str to Range
@@ -91,6 +95,8 @@ class VariedOptions(OneLine):
         Options without a unit, as they are.
     loads : mapping of str to Range
         Stresses over the weight of a particle on its cross-section, rho g d.
+    per_load : tuple of str
+        Responses that are told over the load, which they follow by itself.
     stiffness : Range, optional
         Young's modulus over the stress that presses particles together, where that of other tests
         does not suit.
@@ -102,6 +108,8 @@ class VariedOptions(OneLine):
         Options on which responses hardly depend, besides `NUMERICAL`: every value is admitted.
     left : tuple of str
         Those of them that keep their own default at every size.
+    limit : mapping of str to float
+        Inputs at which the usual apparatus is this one, too: its rows are known as well.
     particles : tuple of str
         Particles besides dry spheres of which there are rows, see `grainfit.atlas.strata`.
     surface_energy : Range, optional
@@ -111,16 +119,20 @@ class VariedOptions(OneLine):
 
     size_option: str
     size: Range
+    name: str = ""
+    title: str = ""
     size_power: float = 1.0
     factors: Mapping[str, Range] = field(default_factory=dict)
     bounded: tuple[str, ...] = ()
     values: Mapping[str, Range] = field(default_factory=dict)
     loads: Mapping[str, Range] = field(default_factory=dict)
+    per_load: tuple[str, ...] = ()
     stiffness: Range | None = None
     wider: Mapping[str, float] = field(default_factory=dict)
     same: Mapping[str, Any] = field(default_factory=dict)
     indifferent: tuple[str, ...] = ()
     left: tuple[str, ...] = ()
+    limit: Mapping[str, float] = field(default_factory=dict)
     particles: tuple[str, ...] = ()
     surface_energy: Range | None = None
 
@@ -134,5 +146,5 @@ class VariedOptions(OneLine):
 class InAtlas(Protocol):
     """A test of which the atlas has rows."""
 
-    #: What its rows vary.
-    varied: ClassVar[VariedOptions]
+    #: What its rows vary, of the usual apparatus first.
+    varied: ClassVar[tuple[VariedOptions, ...]]

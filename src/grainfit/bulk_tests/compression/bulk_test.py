@@ -68,6 +68,15 @@ _USUAL_TRAVEL = 0.128
 _FILL_SHARE = 1.05
 #: What a measured curve of a compression is.
 _MEASURED = "Compression is positive, and the curve is that of the loading alone."
+_USUAL_APPARATUS = VariedOptions(
+    "cylinder_radius",
+    Range(0.8, 1.5, power=-1),
+    factors={"strike_off_height": Range(0.7, 1.4)},
+    loads={"stress": Range(30.0, 300.0, power=0)},
+    # Moduli have no limit with stiff particles: they follow a power of E over the stress.
+    stiffness=Range(1000.0, 10_000.0, power=0, reach=2.0),
+    indifferent=("seating_stress", "particle_count", "piston_speed"),
+)
 
 
 @dataclass(frozen=True)
@@ -105,15 +114,7 @@ class Compression(BulkTest):
     shown: ClassVar[Shown] = Shown("bed", "loading_modulus", snapshot_file(_LOADED), _PICTURE)
     worse_ends: ClassVar[Mapping[str, int]] = {MODULUS: 0, DENSITY: 1}
     size_powers: ClassVar[Mapping[str, float | None]] = {}
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "cylinder_radius",
-        Range(0.8, 1.5, power=-1),
-        factors={"strike_off_height": Range(0.7, 1.4)},
-        loads={"stress": Range(30.0, 300.0, power=0)},
-        # Moduli have no limit with stiff particles: they follow a power of E over the stress.
-        stiffness=Range(1000.0, 10_000.0, power=0, reach=2.0),
-        indifferent=("seating_stress", "particle_count", "piston_speed"),
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS,)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "loading_modulus": ResponseInfo(
             "Pa",

@@ -42,6 +42,12 @@ from grainfit.scenes.scene import Box, Scene, Stage
 _PICTURE = "discharge.png"
 #: Height that particles fall below the orifice before they are gone, in diameters.
 _SINK = 4.0
+_USUAL_APPARATUS = VariedOptions(
+    "width",
+    Range(0.8, 1.3, power=-1),
+    factors={"slot_width": Range(0.8, 1.6), "fill_height": Range(0.7, 1.4)},
+    indifferent=("flow_until",),
+)
 
 
 @dataclass(frozen=True)
@@ -82,12 +88,7 @@ class Discharge(BulkTest):
         unusual_flow,
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "width",
-        Range(0.8, 1.3, power=-1),
-        factors={"slot_width": Range(0.8, 1.6), "fill_height": Range(0.7, 1.4)},
-        indifferent=("flow_until",),
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS,)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": ResponseInfo(
             "kg/s",

@@ -73,6 +73,21 @@ def smooth_walls(checked: CheckedTest[Any]) -> Iterator[Found]:
             yield key, messages.SMOOTH_WALLS(key=key, value=value, least=_LEAST)
 
 
+_USUAL_APPARATUS = VariedOptions(
+    "width",
+    Range(0.75, 1.2, power=-1),
+    factors={"slot_width": Range(0.9, 1.6), "fill_height": Range(0.7, 1.3)},
+    values={
+        "floor_sliding_friction": Range(0.1, 1.0),
+        "floor_rolling_friction": Range(0.05, 1.0, power=0),
+    },
+    wider={"floor_half_width": 2.0},
+    indifferent=("shelf_thickness", "floor_half_width"),
+    particles=("cohesive", "clumps"),
+    surface_energy=OF_FLANKS,
+)
+
+
 @dataclass(frozen=True)
 class DrawDown(BulkTest):
     """Draw-down (two boxes): bulk density, flow, and two angles from one test.
@@ -112,19 +127,7 @@ class DrawDown(BulkTest):
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     size_powers: ClassVar[Mapping[str, float | None]] = {"mass_flow": None}
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "width",
-        Range(0.75, 1.2, power=-1),
-        factors={"slot_width": Range(0.9, 1.6), "fill_height": Range(0.7, 1.3)},
-        values={
-            "floor_sliding_friction": Range(0.1, 1.0),
-            "floor_rolling_friction": Range(0.05, 1.0, power=0),
-        },
-        wider={"floor_half_width": 2.0},
-        indifferent=("shelf_thickness", "floor_half_width"),
-        particles=("cohesive", "clumps"),
-        surface_energy=OF_FLANKS,
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS,)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": ResponseInfo(
             "kg/m^3",

@@ -64,6 +64,28 @@ def fast_drum(checked: CheckedTest[Any]) -> Iterator[Found]:
         )
 
 
+_USUAL_APPARATUS = VariedOptions(
+    "drum_radius",
+    Range(0.75, 1.6, power=-1),
+    factors={"rotational_speed": Range(0.4, 2.5, power=0)},
+    bounded=("rotational_speed",),
+    values={"fill_level": Range(0.25, 0.5)},
+    indifferent=("drum_length", "discarded_turns", "averaged_turns", "froude_number"),
+    left=("drum_length",),
+)
+_WITH_CAPS = replace(
+    _USUAL_APPARATUS,
+    size=Range(1.0, 1.6, power=-1),
+    name="caps",
+    title="with end caps",
+    factors={**_USUAL_APPARATUS.factors, "drum_length": Range(0.7, 1.4)},
+    # Whoever has end caps, has a drum without a lining, and sees through one of them.
+    same={"end_caps": True, "lining": False},
+    indifferent=tuple(one for one in _USUAL_APPARATUS.indifferent if one != "drum_length"),
+    left=(),
+)
+
+
 @dataclass(frozen=True)
 class Drum(BulkTest):
     """Rotating drum: dynamic angle of repose.
@@ -93,15 +115,7 @@ class Drum(BulkTest):
     parts: ClassVar[Parts] = {"drum": ("drum",), "caps": _CAPS}
     shown: ClassVar[Shown] = Shown("bed", "dynamic_angle", snapshot_file(_FRAMES), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {}
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "drum_radius",
-        Range(0.75, 1.6, power=-1),
-        factors={"rotational_speed": Range(0.4, 2.5, power=0)},
-        bounded=("rotational_speed",),
-        values={"fill_level": Range(0.25, 0.5)},
-        indifferent=("drum_length", "discarded_turns", "averaged_turns", "froude_number"),
-        left=("drum_length",),
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS, _WITH_CAPS)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "dynamic_angle": ResponseInfo(
             "deg",

@@ -21,8 +21,8 @@ from grainfit.bulk_tests.shared.heap_view import HeapView
 from grainfit.bulk_tests.shared.options import LENGTH, flow_settling_option
 from grainfit.bulk_tests.shared.orifice import narrow_orifice
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_part
-from grainfit.bulk_tests.shared.plate import PLATE as PLATE_SURFACE
 from grainfit.bulk_tests.shared.plate import (
+    ON_DISC,
     ROUGH_PLATE,
     STEEPEST,
     assumed_plate,
@@ -34,6 +34,7 @@ from grainfit.bulk_tests.shared.plate import (
     smooth_plate,
     views_option,
 )
+from grainfit.bulk_tests.shared.plate import PLATE as PLATE_SURFACE
 from grainfit.bulk_tests.shared.responses import AT_EDGE, HEAP_PROFILE, heap_responses
 from grainfit.bulk_tests.shared.validity import arch, require_separate
 from grainfit.bulk_tests.size import scaled
@@ -83,6 +84,34 @@ def funnel_in_heap(checked: CheckedTest[Any]) -> Iterator[Found]:
         )
 
 
+_USUAL_APPARATUS = VariedOptions(
+    "poured_volume",
+    Range(0.75, 1.35, power=-1),
+    size_power=3,
+    factors={"outlet_diameter": Range(0.95, 1.4), "funnel_height": Range(0.6, 2.0)},
+    values={"plate_sliding_friction": Range(0.2, 1.0)},
+    wider={"plate_radius": 1.6},
+    same={"plate_rolling_friction": AS_PARTICLES},
+    indifferent=("funnel_radius", "plate_radius", "views"),
+)
+#: The funnel stands still above the apex, and the surplus falls off.
+_ON_DISC = replace(
+    _USUAL_APPARATUS,
+    size_option="plate_radius",
+    size_power=1,
+    name="disc",
+    title="on a disc",
+    factors={
+        "poured_volume": Range(0.95, 1.4),
+        "outlet_diameter": Range(0.85, 1.3),
+        "funnel_height": Range(1.0, 2.5),
+    },
+    wider={},
+    same={**_USUAL_APPARATUS.same, "base": ON_DISC, "raise_speed": 0.0},
+    indifferent=("funnel_radius", "views"),
+)
+
+
 @dataclass(frozen=True)
 class Funnel(BulkTest):
     """Poured heap: angle of repose and size of a heap below a funnel.
@@ -121,16 +150,7 @@ class Funnel(BulkTest):
     )
     worse_ends: ClassVar[Mapping[str, int]] = {ASPECT_RATIO: 1}
     size_powers: ClassVar[Mapping[str, float | None]] = {"base_radius": 1, "heap_height": 1}
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "poured_volume",
-        Range(0.75, 1.35, power=-1),
-        size_power=3,
-        factors={"outlet_diameter": Range(0.95, 1.4), "funnel_height": Range(0.6, 2.0)},
-        values={"plate_sliding_friction": Range(0.2, 1.0)},
-        wider={"plate_radius": 1.6},
-        same={"plate_rolling_friction": AS_PARTICLES},
-        indifferent=("funnel_radius", "plate_radius", "views"),
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS, _ON_DISC)
     responses: ClassVar[Mapping[str, ResponseInfo]] = heap_responses(
         {
             "angle_of_repose": RecordedTrials(0.049),

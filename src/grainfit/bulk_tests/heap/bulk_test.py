@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -26,6 +26,7 @@ from grainfit.bulk_tests.shared.options import (
 )
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES, friction_of_part
 from grainfit.bulk_tests.shared.plate import (
+    ON_DISC,
     ON_PLATE,
     PLATE,
     ROUGH_PLATE,
@@ -99,6 +100,39 @@ def fast_lift(checked: CheckedTest[Any]) -> Iterator[Found]:
         )
 
 
+_USUAL_APPARATUS = VariedOptions(
+    "cylinder_radius",
+    Range(0.7, 1.3, power=-1),
+    factors={"strike_off_height": Range(0.6, 1.5), "lift_speed": Range(0.3, 3.0, power=0)},
+    values={"plate_sliding_friction": Range(0.2, 1.0)},
+    wider={"plate_radius": 1.6},
+    same={"plate_rolling_friction": AS_PARTICLES},
+    indifferent=(
+        "particle_count",
+        "plate_radius",
+        "bulk_density_bottom",
+        "bulk_density_top",
+        "lift_height",
+        "views",
+    ),
+    left=("bulk_density_top",),
+    particles=("cohesive", "clumps"),
+    surface_energy=OF_FLANKS,
+)
+#: Real discs are as wide as their cylinder, the bed is high, and the lift slow.
+_ON_DISC = replace(
+    _USUAL_APPARATUS,
+    name="disc",
+    title="on a disc",
+    factors={"strike_off_height": Range(0.8, 2.5), "lift_speed": Range(0.15, 1.5, power=0)},
+    wider={},
+    same={**_USUAL_APPARATUS.same, "base": ON_DISC},
+    indifferent=tuple(one for one in _USUAL_APPARATUS.indifferent if one != "plate_radius"),
+    particles=(),
+    surface_energy=None,
+)
+
+
 @dataclass(frozen=True)
 class Heap(BulkTest):
     """Lifted cylinder: bulk density, and angle of repose and size of the heap, from one test.
@@ -139,25 +173,7 @@ class Heap(BulkTest):
     }
     shown: ClassVar[Shown] = Shown("heap", "angle_of_repose", snapshot_file(_HEAP), _PICTURE)
     size_powers: ClassVar[Mapping[str, float | None]] = {"base_radius": 1, "heap_height": 1}
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "cylinder_radius",
-        Range(0.7, 1.3, power=-1),
-        factors={"strike_off_height": Range(0.6, 1.5), "lift_speed": Range(0.3, 3.0, power=0)},
-        values={"plate_sliding_friction": Range(0.2, 1.0)},
-        wider={"plate_radius": 1.6},
-        same={"plate_rolling_friction": AS_PARTICLES},
-        indifferent=(
-            "particle_count",
-            "plate_radius",
-            "bulk_density_bottom",
-            "bulk_density_top",
-            "lift_height",
-            "views",
-        ),
-        left=("bulk_density_top",),
-        particles=("cohesive", "clumps"),
-        surface_energy=OF_FLANKS,
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS, _ON_DISC)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
         **heap_responses(

@@ -36,6 +36,20 @@ _PICTURE = "hopper.png"
 _LOWEST_PART = 4.0
 #: Share of the bed above the slope that is measured: its surface is left out.
 _MEASURED = 0.8
+_USUAL_APPARATUS = VariedOptions(
+    "width",
+    Range(0.8, 1.2, power=-1),
+    factors={"orifice_diameter": Range(0.85, 1.4), "fill_height": Range(0.7, 1.3)},
+    values={"half_angle": Range(10.0, 80.0)},
+)
+_FLAT_FLOOR = replace(
+    _USUAL_APPARATUS,
+    name="flat",
+    title="with the flat floor",
+    factors={**_USUAL_APPARATUS.factors, "fill_height": Range(0.65, 1.3)},
+    values={},
+    same={"half_angle": FLAT},
+)
 
 
 @dataclass(frozen=True)
@@ -70,12 +84,7 @@ class Hopper(Discharge):
     }
     revision: ClassVar[int] = 1
     shown: ClassVar[Shown] = Shown("hopper", "mass_flow", snapshot_file(END), _PICTURE)
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "width",
-        Range(0.8, 1.2, power=-1),
-        factors={"orifice_diameter": Range(0.85, 1.4), "fill_height": Range(0.7, 1.3)},
-        values={"half_angle": Range(10.0, 80.0)},
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS, _FLAT_FLOOR)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "mass_flow": replace(
             Discharge.responses["mass_flow"],

@@ -80,6 +80,16 @@ class PackingSetup(Setup):
             )
 
 
+_USUAL_APPARATUS = VariedOptions(
+    "cylinder_radius",
+    Range(0.7, 1.3, power=-1),
+    factors={"fill_height": Range(0.6, 1.4)},
+    indifferent=("bulk_density_bottom", "bulk_density_top"),
+    left=("bulk_density_top",),
+    particles=("cohesive", "clumps"),
+)
+
+
 @dataclass(frozen=True)
 class Packing(BulkTest):
     """Poured container: bulk density alone, in a few seconds of computing.
@@ -102,14 +112,7 @@ class Packing(BulkTest):
     #: Snapshot of the bed that is shown.
     bed_shown: ClassVar[str] = BED
     size_powers: ClassVar[Mapping[str, float | None]] = {}
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "cylinder_radius",
-        Range(0.7, 1.3, power=-1),
-        factors={"fill_height": Range(0.6, 1.4)},
-        indifferent=("bulk_density_bottom", "bulk_density_top"),
-        left=("bulk_density_top",),
-        particles=("cohesive", "clumps"),
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS,)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {"bulk_density": BULK_DENSITY}
 
     cylinder_radius: Amount | None = options.cylinder_option("container", 6)

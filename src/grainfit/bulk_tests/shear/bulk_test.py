@@ -40,6 +40,13 @@ from grainfit.scenes.scene import Stage
 _ANGLE = "internal_friction_angle"
 #: Last snapshot of a run, and its picture.
 _LAST, _PICTURE = "sheared", "shear.png"
+_USUAL_APPARATUS = VariedOptions(
+    "length",
+    Range(0.85, 1.6, power=-1),
+    values={"inertial_number": Range(0.005, 0.05, power=0)},
+    loads={"normal_stress": Range(1.0, 200.0, power=0)},
+    indifferent=("transient_strain", "averaged_strain"),
+)
 
 
 @dataclass(frozen=True)
@@ -71,13 +78,7 @@ class Shear(PlaneShear):
         **dict.fromkeys(("phi_e", "phi_sf", "phi_lin"), messages.ENTER_ANGLE()),
     }
     shown: ClassVar[Shown] = Shown("bed", _ANGLE, snapshot_file(_LAST), _PICTURE)
-    varied: ClassVar[VariedOptions] = VariedOptions(
-        "length",
-        Range(0.85, 1.6, power=-1),
-        values={"inertial_number": Range(0.005, 0.05, power=0)},
-        loads={"normal_stress": Range(1.0, 200.0, power=0)},
-        indifferent=("transient_strain", "averaged_strain"),
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS,)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         _ANGLE: ResponseInfo(
             "deg",

@@ -35,6 +35,7 @@ from grainfit.bulk_tests.shear_cell import messages
 from grainfit.bulk_tests.shear_cell.failure import WINDOW, Failure, frictions_with_errors
 from grainfit.bulk_tests.shear_cell.setup import ShearCellSetup
 from grainfit.bulk_tests.shear_cell.view import ShearCellView, draw_shear_cell
+from grainfit.bulk_tests.varied_options import Range, VariedOptions
 from grainfit.bulk_tests.view import Shown
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import COHESION
@@ -90,6 +91,18 @@ def preshear_stress(checked: CheckedTest[Any]) -> Iterator[Found]:
         yield f"targets.{_CONSOLIDATION}", messages.OTHER_PRESHEAR(**values, low=low, high=high)
 
 
+_USUAL_APPARATUS = VariedOptions(
+    "length",
+    Range(0.88, 1.4, power=-1),
+    values={"inertial_number": Range(0.005, 0.05, power=0)},
+    # The weight of the bed is nothing beside a large stress, which is the limit.
+    loads={"normal_stress": Range(5.0, 500.0, power=-0.5)},
+    per_load=("cohesion", "unconfined_strength", "major_consolidation_stress"),
+    # A dry material fails along a straight line: any of its points tell the same.
+    indifferent=("transient_strain", "lowest_stress", "highest_stress", "points", "cycles"),
+)
+
+
 @dataclass(frozen=True)
 class ShearCell(PlaneShear):
     """Shear tester: yield locus, cohesion, unconfined strength and flowability.
@@ -109,6 +122,7 @@ class ShearCell(PlaneShear):
     type: ClassVar[str] = "shear_cell"
     title: ClassVar[str] = "preshear, then shear to failure"
     checks: ClassVar[Checks] = (*PlaneShear.checks, no_cohesion, preshear_stress)
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS,)
     deck_title: ClassVar[str] = "Shear cell: preshear and shear to failure"
     shown: ClassVar[Shown] = Shown("bed", _SHOWN, snapshot_file(_LAST), _PICTURE)
     enter_instead: ClassVar[Mapping[str, str]] = {

@@ -94,6 +94,20 @@ class TappedSetup(PackingSetup):
             ]
 
 
+_USUAL_APPARATUS = replace(
+    Packing.varied[0],
+    factors={**Packing.varied[0].factors, "drop_height": Range(0.3, 2.0, power=0)},
+    particles=(),
+)
+_MANY_TAPS = replace(
+    _USUAL_APPARATUS,
+    name="many_taps",
+    title="many taps",
+    values={"taps": Range(20.0, 100.0, power=0)},
+    limit={"taps": 10.0},
+)
+
+
 @dataclass(frozen=True)
 class Tapped(Packing):
     """Tapped container: bulk density as poured and after taps, and their ratio.
@@ -113,11 +127,7 @@ class Tapped(Packing):
     title: ClassVar[str] = "tapped container"
     shown: ClassVar[Shown] = Shown("bed", "tapped_density", snapshot_file(_TAPPED), _PICTURE)
     bed_shown: ClassVar[str] = _TAPPED
-    varied: ClassVar[VariedOptions] = replace(
-        Packing.varied,
-        factors={**Packing.varied.factors, "drop_height": Range(0.3, 2.0, power=0)},
-        particles=(),
-    )
+    varied: ClassVar[tuple[VariedOptions, ...]] = (_USUAL_APPARATUS, _MANY_TAPS)
     responses: ClassVar[Mapping[str, ResponseInfo]] = {
         "bulk_density": BULK_DENSITY,
         "tapped_density": ResponseInfo(
