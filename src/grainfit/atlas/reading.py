@@ -313,7 +313,7 @@ def _are(particles: Particles, test: BulkTest, cohesion: str) -> bool:
 
 
 def _other_particles(of_test: Iterable[Stratum], test: BulkTest, cohesion: str) -> str:
-    known = in_a_row(one.particles.title for one in of_test)
+    known = in_a_row(dict.fromkeys(one.particles.title for one in of_test))
     given = f"{test.sizes.shape or 'spheres'}{cohesion and f' with {cohesion}'}"
     return messages.PARTICLES(known=known, given=given)
 
@@ -329,16 +329,32 @@ def _require_told_law(solver: Solver, material: Mapping[str, float], walls: _Wal
 
 
 class _Apparatus(NamedTuple):
-    """Inputs of an apparatus that no material changes, and why it is none of the rows'."""
+    """Inputs of an apparatus that no material changes, and what is not as in the rows."""
 
     values: Mapping[str, float]
+    #: Sentences about options that the rows do not vary.
     other: Sequence[str]
+    #: Options beyond the range that they have.
+    beyond: int
 
 
-def _nearest(known: Iterable[Stratum], test: BulkTest) -> tuple[Stratum, _Apparatus]:
-    """Return the stratum whose apparatus is most like that of a test, the usual one first."""
-    found = [(one, _apparatus(one, test)) for one in known]
-    return min(found, key=lambda pair: len(pair[1].other))
+def _nearest(known: Sequence[Stratum], test: BulkTest) -> tuple[Stratum, _Apparatus]:
+    """Return the stratum whose apparatus is most like that of a test, the usual one first.
+
+    Raises
+    ------
+    InputError
+        None is possible with the dimensions of the test.
+    """
+    found, faults = [], []
+    for one in known:
+        try:
+            found.append((one, _apparatus(one, test)))
+        except InputError as error:
+            faults.append(error)
+    if not found:
+        raise faults[0]
+    return min(found, key=lambda pair: (len(pair[1].other), pair[1].beyond))
 
 
 def _apparatus(stratum: Stratum, test: BulkTest) -> _Apparatus:
@@ -363,11 +379,17 @@ def _apparatus(stratum: Stratum, test: BulkTest) -> _Apparatus:
         for name, value in given.items()
         if name not in told and not _is_same(value, alike[name])
     ]
-    return _Apparatus({name: usual[name] for name in (SIZE, *varied.factors)}, other)
+    shares = [span.share(given[n]) for n, span in varied.values.items() if _is_number(given[n])]
+    beyond = sum(not -_SAME <= share <= 1 + _SAME for share in shares)
+    return _Apparatus({name: usual[name] for name in (SIZE, *varied.factors)}, other, beyond)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float))
 
 
 def _is_same(one: Any, other: Any) -> bool:
-    if isinstance(one, (int, float)) and isinstance(other, (int, float)):
+    if _is_number(one) and _is_number(other):
         return math.isclose(one, other, rel_tol=_SAME)
     return bool(one == other)
 

@@ -206,7 +206,7 @@ class Stratum:
         factors = {**varied.wider, **{name: inputs[name] for name in varied.factors}}
         for name, factor in factors.items():
             options[name] = factor * options.get(name, values[name])
-        options |= {name: _whole(values[name], inputs[name]) for name in varied.values}
+        options |= {name: _whole(span, inputs[name]) for name, span in varied.values.items()}
         options |= {name: inputs[name] * scale.of("Pa") for name in varied.loads}
         return self.kind(sizes, gravity=scale.gravity, **options)
 
@@ -238,6 +238,5 @@ def _strata() -> Iterator[Stratum]:
                 yield from (Stratum(kind, varied, _PARTICLES[name]) for name in varied.particles)
 
 
-def _whole(usual: Any, value: float) -> float | int:
-    """Return a value as a whole number where the usual one is: there is no half tap."""
-    return round(value) if isinstance(usual, int) else value
+def _whole(span: Range, value: float) -> float | int:
+    return round(value) if span.is_whole else value

@@ -27,6 +27,8 @@ class Range:
         Responses follow this power of the input; 0 is its logarithm.
     reach : float
         Share up to which they follow the trend of a logarithm, 1 at the upper end.
+    is_whole : bool
+        Whether the input is a whole number, as of taps.
 
     Examples
     --------
@@ -40,6 +42,7 @@ class Range:
     high: float
     power: float = 1.0
     reach: float = 1.0
+    is_whole: bool = False
 
     def share(self, value: Any) -> Any:
         """Return where a value, or each of an array, lies: 0 at the lower end, 1 at the upper."""
@@ -50,7 +53,8 @@ class Range:
         """Return the value at a share of the range."""
         low, high = self._of(self.low), self._of(self.high)
         position = low + share * (high - low)
-        return float(math.exp(position) if self.power == 0 else position ** (1 / self.power))
+        value = float(math.exp(position) if self.power == 0 else position ** (1 / self.power))
+        return float(round(value)) if self.is_whole else value
 
     @property
     def limit(self) -> float:

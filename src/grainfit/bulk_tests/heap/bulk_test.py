@@ -122,9 +122,11 @@ _USUAL_APPARATUS = VariedOptions(
 #: Real discs are as wide as their cylinder, the bed is high, and the lift slow.
 _ON_DISC = replace(
     _USUAL_APPARATUS,
+    # Small discs have uneven heaps, and many of them none.
+    size=Range(0.9, 1.5, power=-1),
     name="disc",
     title="on a disc",
-    factors={"strike_off_height": Range(0.8, 2.5), "lift_speed": Range(0.15, 1.5, power=0)},
+    factors={"strike_off_height": Range(0.7, 1.6), "lift_speed": Range(0.15, 1.5, power=0)},
     wider={},
     same={**_USUAL_APPARATUS.same, "base": ON_DISC},
     indifferent=tuple(one for one in _USUAL_APPARATUS.indifferent if one != "plate_radius"),

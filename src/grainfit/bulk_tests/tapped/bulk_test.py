@@ -103,7 +103,7 @@ _MANY_TAPS = replace(
     _USUAL_APPARATUS,
     name="many_taps",
     title="many taps",
-    values={"taps": Range(20.0, 100.0, power=0)},
+    values={"taps": Range(20.0, 100.0, power=0, is_whole=True)},
     limit={"taps": 10.0},
 )
 
