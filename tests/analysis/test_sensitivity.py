@@ -115,8 +115,8 @@ def fitted(function: Function, runs: int, scatter: float, seed: int) -> Metamode
     ("function", "runs", "scatter", "first", "total"),
     [
         (three_slopes, 10, 0.5, LINEAR, LINEAR),
-        (three_slopes, 20, 1.0, LINEAR, LINEAR),
-        (ishigami, 40, 0.0, ISHIGAMI_FIRST, ISHIGAMI_TOTAL),
+        pytest.param(three_slopes, 20, 1.0, LINEAR, LINEAR, marks=pytest.mark.thorough),
+        pytest.param(ishigami, 40, 0.0, ISHIGAMI_FIRST, ISHIGAMI_TOTAL, marks=pytest.mark.thorough),
         (ishigami, 70, 1.0, ISHIGAMI_FIRST, ISHIGAMI_TOTAL),
     ],
 )

@@ -581,9 +581,9 @@ def test_a_crash_of_a_users_function_shows_its_stack_and_the_next_start_names_th
     (tmp_path / "model.py").write_text(
         model.replace("ctypes.string_at(0)", "return {'angle': 50 * parameters['friction']}")
     )
-    again = in_own_process("run", "sand.toml", folder=tmp_path)
+    again = in_own_process("run", "sand.toml", "--no-report", folder=tmp_path)
     cut_off = cli_messages.CUT_OFF
     assert cut_off.is_in(again.stderr, others="")
     assert "python at friction = " in again.stderr
-    third = in_own_process("run", "sand.toml", folder=tmp_path)
+    third = in_own_process("run", "sand.toml", "--no-report", folder=tmp_path)
     assert not cut_off.is_in(third.stderr)

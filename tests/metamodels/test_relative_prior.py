@@ -185,7 +185,9 @@ def test_a_similar_relative_replaces_most_runs() -> None:
     assert share > 0.9
 
 
-@pytest.mark.parametrize("runs", [4, pytest.param(6, marks=pytest.mark.thorough), 10])
+@pytest.mark.parametrize(
+    "runs", [*(pytest.param(runs, marks=pytest.mark.thorough) for runs in (4, 6)), 10]
+)
 @pytest.mark.parametrize("relative", [unrelated, contrary])
 def test_a_relative_that_is_useless_or_wrong_costs_hardly_any_accuracy(
     relative: Callable[[Array], Array], runs: int
