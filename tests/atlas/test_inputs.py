@@ -62,6 +62,42 @@ def test_every_input_of_a_row_changes_its_test_or_its_material(name: str) -> Non
         assert (other.test, other.material) != (before.test, before.material), changed
 
 
+@pytest.mark.parametrize(
+    ("test", "name"),
+    [
+        (HEAP, "heap"),
+        (gf.tests.Heap(diameter="10 mm", base="disc", **ROUGH_PLATE), "heap-disc"),
+        (gf.tests.Drum(diameter="10 mm", end_caps=True, lining=False), "drum-caps"),
+        (gf.tests.Hopper(diameter="10 mm", half_angle="70 deg"), "hopper"),
+        (gf.tests.Hopper(diameter="10 mm", half_angle="90 deg"), "hopper-flat"),
+        (gf.tests.Tapped(diameter="10 mm"), "tapped"),
+        (gf.tests.Tapped(diameter="10 mm", taps=50), "tapped-many_taps"),
+    ],
+)
+def test_rows_are_those_of_the_apparatus_that_is_most_like_it(test: BulkTest, name: str) -> None:
+    assert _reading(test).stratum.name == name
+
+
+def test_what_differs_is_named_beside_the_most_similar_apparatus() -> None:
+    smooth_disc = gf.tests.Heap(diameter="10 mm", base="disc")
+
+    with pytest.raises(NotInAtlasError, match="plate_rolling_friction"):
+        _reading(smooth_disc)
+
+
+def test_stresses_of_a_yield_locus_are_told_over_the_load() -> None:
+    material = _material(particle__youngs_modulus=1e8)
+    light, heavy = (
+        Reading(
+            gf.solvers.Lammps(gf.tests.ShearCell(diameter="10 mm", normal_stress=one), material), {}
+        )
+        for one in ("500 Pa", "5 kPa")
+    )
+
+    assert heavy.unit("cohesion", {}) == pytest.approx(10 * light.unit("cohesion", {}))
+    assert heavy.unit("bulk_density", {}) == pytest.approx(light.unit("bulk_density", {}))
+
+
 def test_a_row_tells_about_particles_of_any_size_and_density() -> None:
     small = {"particle__youngs_modulus": 3.6e5 * 0.2 * 1000 / 2100, "particle__density": 1000.0}
 
