@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from atlas_rows import left_out_in_turn, split
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas, rows_of
 from grainfit.atlas.strata import Stratum, strata
@@ -46,7 +47,8 @@ def table(
         stratum, rows = strata()[name], rows_in(rows_of(folder, name))
         dry = [] if is_alone else rows_in(rows_of(folder, stratum.kind.type))
         every = Surrogate(stratum, rows, dry)
-        wanted = [*(count for count in counts if count < len(rows)), len(rows)]
+        points = sum(not row.is_repeat for row in rows)
+        wanted = [*(count for count in counts if count < points), points]
         splits = {count: _splits(stratum, rows, dry, count) for count in wanted}
         for response, model in every.models.items():
             scatter = model.scatter(points_of(rows, stratum.ranges))
@@ -59,20 +61,13 @@ def table(
 def _splits(
     stratum: Stratum, rows: Sequence[Row], dry: Sequence[Row], count: int
 ) -> list[tuple[Surrogate, Sequence[Row]]]:
-    """Return what so many rows tell, with the rows that were left out."""
-    if count < len(rows):
-        return [(Surrogate(stratum, rows[:count], dry), rows[count:])]
-    # Every fourth point of a Sobol' sequence lies in the same part of the cube: no such folds.
-    fold_of = np.random.default_rng(1).permutation(len(rows)) % _FOLDS
-    return [
-        (
-            Surrogate(
-                stratum, [row for row, own in zip(rows, fold_of, strict=True) if own != fold], dry
-            ),
-            [row for row, own in zip(rows, fold_of, strict=True) if own == fold],
-        )
-        for fold in range(_FOLDS)
-    ]
+    """Return what so many points tell, with the rows that were left out, with their repeats."""
+    points = [row.point for row in rows if not row.is_repeat]
+    if count < len(points):
+        parts = [split(rows, points[count:])]
+    else:
+        parts = [*left_out_in_turn(rows, _FOLDS, np.random.default_rng(1))]
+    return [(Surrogate(stratum, stay, dry), left_out) for stay, left_out in parts]
 
 
 def _errors(

@@ -25,7 +25,7 @@ from statistics import median
 
 import numpy as np
 
-from atlas_rows import publish, write_rows
+from atlas_rows import left_out_in_turn, publish, write_rows
 from grainfit.atlas.estimate import Estimate, estimate_of
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas, rows_of
@@ -51,12 +51,8 @@ def table(folder: Path, names: Sequence[str]) -> Iterator[str]:
     yield from HEADING
     for name in names:
         stratum, rows = strata()[name], rows_in(rows_of(folder, name))
-        random = np.random.default_rng(1)
-        part_of = random.permutation(len(rows)) % _PARTS
-        tally = Tally()
-        for part in range(_PARTS):
-            left_out = [row for row, own in zip(rows, part_of, strict=True) if own == part]
-            others = [row for row, own in zip(rows, part_of, strict=True) if own != part]
+        random, tally = np.random.default_rng(1), Tally()
+        for others, left_out in left_out_in_turn(rows, _PARTS, random):
             with tempfile.TemporaryDirectory() as place:
                 atlas = atlas_of(stratum, others, Path(place))
                 for row in left_out:

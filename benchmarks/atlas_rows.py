@@ -22,7 +22,7 @@ from scipy.stats import qmc
 from grainfit.arrays import Array
 from grainfit.atlas.differences import FEWEST_PAIRS, REFERENCE, Difference, difference
 from grainfit.atlas.expectation import relative_scatter
-from grainfit.atlas.row import Row, rows_in
+from grainfit.atlas.row import REPEATS, Row, point_of, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, hash_of, models_of, revision_of, rows_of
 from grainfit.atlas.strata import ROW_SCALE, Stratum, strata
 from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate, points_of
@@ -56,8 +56,8 @@ def point(stratum: Stratum, number: int) -> dict[str, float]:
     """
     ranges = stratum.ranges
     sequence = qmc.Sobol(len(ranges), seed=_SCRAMBLING)
-    if number:
-        sequence.fast_forward(number)
+    if at := point_of(number):
+        sequence.fast_forward(at)
     shares = sequence.random(1)[0]
     pairs = zip(ranges.items(), shares, strict=True)
     return {name: _rounded(span.at(share), _DIGITS) for (name, span), share in pairs}
@@ -92,7 +92,12 @@ def made(stratum: Stratum, number: int, solver_name: str = REFERENCE) -> Row:
 
 
 def grow(
-    stratum: Stratum, path: Path, count: int, processes: int = 1, solver: str = REFERENCE
+    stratum: Stratum,
+    path: Path,
+    count: int,
+    processes: int = 1,
+    solver: str = REFERENCE,
+    repeats: int = 0,
 ) -> Iterator[Row]:
     """Make the rows of a stratum that are missing, and yield each when it is kept.
 
@@ -108,9 +113,22 @@ def grow(
         Runs at a time.
     solver : str
         That simulates them.
+    repeats : int
+        So many of the first rows that have responses are there twice then, with another seed: what
+        they differ by is the scatter of a run, and not what the metamodel misses.
     """
+    yield from _make(stratum, path, range(count), processes, solver)
+    points = [row.point for row in rows_in(path) if row.responses and not row.is_repeat]
+    again = [REPEATS + one for one in points[:repeats]]
+    yield from _make(stratum, path, again, processes, solver)
+
+
+def _make(
+    stratum: Stratum, path: Path, numbers: Sequence[int], processes: int, solver: str
+) -> Iterator[Row]:
+    """Make the rows of numbers that are missing, and yield each when it is kept."""
     known = {row.number for row in rows_in(path) if is_of_today(stratum, row)}
-    missing = [number for number in range(count) if number not in known]
+    missing = [number for number in numbers if number not in known]
     with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
         # A line that was cut off must not swallow the next one.
         file.write("\n" if file.tell() else "")
@@ -124,6 +142,27 @@ def grow(
                 yield row
         finally:
             pool.shutdown(cancel_futures=True)
+
+
+def left_out_in_turn(
+    rows: Sequence[Row], parts: int, random: np.random.Generator
+) -> Iterator[tuple[list[Row], list[Row]]]:
+    """Yield the rows that stay and those that are left out, for every random part of the points.
+
+    Repeats are left out with the row that they repeat, and are none of those that are looked at.
+    """
+    # Every fourth point of a Sobol' sequence lies in the same part of the cube: random parts.
+    points = np.array([row.point for row in rows if not row.is_repeat])
+    part_of = random.permutation(len(points)) % parts
+    for part in range(parts):
+        yield split(rows, points[part_of == part])
+
+
+def split(rows: Sequence[Row], points: Sequence[int] | Array) -> tuple[list[Row], list[Row]]:
+    """Return the rows of all other points, and those of these without repeats."""
+    out = {int(point) for point in points}
+    stay = [row for row in rows if row.point not in out]
+    return stay, [row for row in rows if row.point in out and not row.is_repeat]
 
 
 def identity_of_row(stratum: Stratum, inputs: Mapping[str, float]) -> str:

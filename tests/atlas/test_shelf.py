@@ -11,10 +11,17 @@ import numpy as np
 import pytest
 
 import grainfit as gf
-from benchmarks.atlas_rows import grow, is_of_today, made, publish, write_rows
+from benchmarks.atlas_rows import (
+    grow,
+    is_of_today,
+    left_out_in_turn,
+    made,
+    publish,
+    write_rows,
+)
 from grainfit.atlas import messages
 from grainfit.atlas.estimate import estimate_of
-from grainfit.atlas.row import Row, rows_in
+from grainfit.atlas.row import REPEATS, Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas
 from grainfit.atlas.strata import SIZE, strata
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
@@ -66,10 +73,24 @@ def test_growing_continues_behind_a_line_that_was_cut_off(tmp_path: Path) -> Non
     kept = rows_in(SHIPPED / "packing.jsonl")[0].to_text()
     path.write_text(f"{kept}\n{kept[:50]}")
 
-    made_now = [row.number for row in grow(strata()["packing"], path, 2)]
+    made_now = [row.number for row in grow(strata()["packing"], path, 2, repeats=1)]
 
-    assert made_now == [1]
-    assert [row.number for row in rows_in(path)] == [0, 1]
+    assert made_now == [1, REPEATS]
+    first, _, again = rows_in(path)
+    assert (again.point, again.inputs) == (first.number, first.inputs)
+    assert again.seed != first.seed
+
+
+def test_a_row_is_left_out_together_with_its_repeat() -> None:
+    row = rows_in(SHIPPED / "packing.jsonl")[0]
+    rows = [replace(row, number=number) for number in (0, 1, 2, REPEATS + 1)]
+
+    parts = [*left_out_in_turn(rows, 3, np.random.default_rng(1))]
+
+    assert sorted(one.number for _, left_out in parts for one in left_out) == [0, 1, 2]
+    for stay, [left_out] in parts:
+        assert left_out.point not in {one.point for one in stay}
+        assert len(stay) == (2 if left_out.point == 1 else 3)
 
 
 def test_opened_metamodels_predict_as_the_fitted_ones(tmp_path: Path) -> None:

@@ -8,6 +8,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+#: Rows from this number on, up to twice it, repeat those before with other seeds.
+REPEATS = 2048
+
 
 @dataclass(frozen=True)
 class Row:
@@ -16,7 +19,7 @@ class Row:
     Parameters
     ----------
     number : int
-        Of the point of the design.
+        Of the point of the design; of a repeat, `REPEATS` more.
     seed : int
         Of the packing.
     inputs : mapping of str to float
@@ -43,6 +46,16 @@ class Row:
     seconds: float
     program: str
 
+    @property
+    def point(self) -> int:
+        """Number of the point of the design."""
+        return point_of(self.number)
+
+    @property
+    def is_repeat(self) -> bool:
+        """Whether it repeats another row with another seed."""
+        return self.point != self.number
+
     def to_text(self) -> str:
         """Return the row as a line of JSON."""
         return json.dumps(asdict(self), separators=(",", ":"))
@@ -64,6 +77,11 @@ class Row:
         responses = {n: (float(v), float(e)) for n, (v, e) in plain["responses"].items()}
         inputs = {name: float(value) for name, value in plain["inputs"].items()}
         return cls(**{**plain, "inputs": inputs, "responses": responses})
+
+
+def point_of(number: int) -> int:
+    """Return the point of the design that a row is of."""
+    return number - REPEATS if REPEATS <= number < 2 * REPEATS else number
 
 
 def rows_in(path: Path) -> list[Row]:
