@@ -29,6 +29,7 @@ from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate, points_of
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import scalars
 from grainfit.files import write_atomically
+from grainfit.metamodels.kriging import Kriging
 from grainfit.run_definition import identity_of
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.registry import DEM_PROGRAMS
@@ -98,6 +99,7 @@ def grow(
     processes: int = 1,
     solver: str = REFERENCE,
     repeats: int = 0,
+    least_chance: float = 0.0,
 ) -> Iterator[Row]:
     """Make the rows of a stratum that are missing, and yield each when it is kept.
 
@@ -116,8 +118,12 @@ def grow(
     repeats : int
         So many of the first rows that have responses are there twice then, with another seed: what
         they differ by is the scatter of a run, and not what the metamodel misses.
+    least_chance : float
+        Points are left for later at which a run has a response with less chance than this, by the
+        rows so far: no heap of particles that roll away is another row of none.
     """
-    yield from _make(stratum, path, range(count), processes, solver)
+    numbers = likely_points(stratum, rows_in(path), range(count), least_chance)
+    yield from _make(stratum, path, numbers, processes, solver)
     points = [row.point for row in rows_in(path) if row.responses and not row.is_repeat]
     again = [REPEATS + one for one in points[:repeats]]
     yield from _make(stratum, path, again, processes, solver)
@@ -142,6 +148,20 @@ def _make(
                 yield row
         finally:
             pool.shutdown(cancel_futures=True)
+
+
+def likely_points(
+    stratum: Stratum, rows: Sequence[Row], numbers: Sequence[int], least: float
+) -> list[int]:
+    """Return the points at which a run has a response with this chance, by some rows."""
+    if len(rows) < FEWEST_ROWS or least == 0:
+        return list(numbers)
+    has = np.array([float(bool(row.responses)) for row in rows])
+    chance = Kriging.fit(points_of(rows, stratum.ranges), has, linear_trend=False)
+    inputs = [point(stratum, number) for number in numbers]
+    points = [[float(span.share(one[n])) for n, span in stratum.ranges.items()] for one in inputs]
+    found = chance.mean(np.array(points))
+    return [number for number, share in zip(numbers, found, strict=True) if share >= least]
 
 
 def left_out_in_turn(
@@ -233,7 +253,8 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
                 )
         rows = [row for row in rows if row.program in admitted]
         # Strata of dry spheres come first: their rows are a limit of the others'.
-        if len(rows) < FEWEST_ROWS or stratum.kind.type not in {name, *published}:
+        dry = stratum.with_limit(published.get(stratum.kind.type, []))
+        if len(rows) + len(dry) < FEWEST_ROWS or stratum.kind.type not in {name, *published}:
             continue
         published[name] = rows
         surrogate = Surrogate(stratum, rows, published[stratum.kind.type])

@@ -4,7 +4,7 @@ Finished rows are kept in the folder ``--kept``, one file of JSON lines a stratu
 command can be stopped and started again, with more rows as well.
 
     python benchmarks/grow_atlas.py --kept FOLDER [--strata heap heap-clumps ...] [--rows 128]
-        [--repeats 0] [--processes 1] [--solver lammps]
+        [--repeats 0] [--least-chance 0] [--processes 1] [--solver lammps]
     python benchmarks/grow_atlas.py --kept FOLDER --publish src/grainfit/atlas/rows
 
 The second fits the metamodels to the rows of LAMMPS that are kept, and the differences of other
@@ -31,6 +31,9 @@ def main() -> None:
     parser.add_argument("--strata", nargs="+", default=list(strata()), choices=list(strata()))
     parser.add_argument("--rows", type=int, default=128)
     parser.add_argument("--repeats", type=int, default=0, help="rows with a second seed")
+    parser.add_argument(
+        "--least-chance", type=float, default=0.0, help="that a row has responses, by those so far"
+    )
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--solver", default=REFERENCE, choices=list(DEM_PROGRAMS))
     parser.add_argument("--publish", type=Path, help="folder of the atlas that ships")
@@ -42,8 +45,8 @@ def main() -> None:
     given.kept.mkdir(parents=True, exist_ok=True)
     for name in given.strata:
         path = rows_of(given.kept, name, given.solver)
-        numbers = given.rows, given.processes, given.solver, given.repeats
-        for row in grow(strata()[name], path, *numbers):
+        more = given.repeats, given.least_chance
+        for row in grow(strata()[name], path, given.rows, given.processes, given.solver, *more):
             print(f"{name} {row.number}: {row.seconds} CPU s {row.why[:80]}", flush=True)
 
 

@@ -15,7 +15,9 @@ from benchmarks.atlas_rows import (
     grow,
     is_of_today,
     left_out_in_turn,
+    likely_points,
     made,
+    point,
     publish,
     write_rows,
 )
@@ -24,6 +26,7 @@ from grainfit.atlas.estimate import estimate_of
 from grainfit.atlas.row import REPEATS, Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, Atlas
 from grainfit.atlas.strata import SIZE, strata
+from grainfit.bulk_tests.parameter_names import SLIDING
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
 #: What ships in a wheel, bytes.
@@ -79,6 +82,24 @@ def test_growing_continues_behind_a_line_that_was_cut_off(tmp_path: Path) -> Non
     first, _, again = rows_in(path)
     assert (again.point, again.inputs) == (first.number, first.inputs)
     assert again.seed != first.seed
+
+
+def test_points_without_a_response_are_left_for_later() -> None:
+    stratum, known = strata()["packing"], rows_in(SHIPPED / "packing.jsonl")[:96]
+    sliding = stratum.ranges[SLIDING]
+    rows = [
+        replace(row, responses={} if sliding.share(row.inputs[SLIDING]) < 0.5 else row.responses)
+        for row in known
+    ]
+
+    likely = likely_points(stratum, rows, range(1000, 1064), 0.5)
+
+    shares = {
+        number: sliding.share(point(stratum, number)[SLIDING]) for number in range(1000, 1064)
+    }
+    assert all(shares[number] > 0.4 for number in likely)
+    assert {number for number, share in shares.items() if share > 0.6} <= {*likely}
+    assert likely_points(stratum, rows, range(8), 0.0) == [*range(8)]
 
 
 def test_a_row_is_left_out_together_with_its_repeat() -> None:
