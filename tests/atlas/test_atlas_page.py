@@ -78,8 +78,8 @@ def test_the_page_shows_no_impossible_numbers(tmp_path: Path) -> None:
         for slider in page.locator("#atlas-sliders input").all():
             slider.press("Home")
         # Smooth spheres that roll freely: the interval of the metamodel goes on below zero.
-        expect(heads.nth(1)).to_contain_text(re.compile("angle of repose: 0.*°, 95\u00a0% 0 to"))
-        for given in ("0", "-1", ""):
+        expect(heads.nth(1)).to_contain_text(re.compile("angle of repose: 0.*°, 95\u00a0% 0.0 to"))
+        for given in ("0", "-1", "", "3,5", "2 mm"):
             page.fill("#atlas-diameter", given)
             expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "true")
             expect(heads).to_have_count(0)
@@ -87,3 +87,23 @@ def test_the_page_shows_no_impossible_numbers(tmp_path: Path) -> None:
             page.fill("#atlas-diameter", "2")
             expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "false")
             expect(heads).not_to_have_count(0)
+
+
+@CHROMIUM
+def test_values_have_the_digits_of_their_interval_and_stay_in_another_test(tmp_path: Path) -> None:
+    path = tmp_path / "atlas.html"
+    path.write_text(atlas_page(Atlas()), encoding="utf-8")
+    with chromium.browser() as browser:
+        page = browser.new_page()
+        page.goto(path.as_uri())
+        heads = page.locator("#atlas-charts h2")
+        for head in heads.all_inner_texts():
+            value, low, high = (
+                float(one) for one in re.findall(r"-?\d+\.?\d*", head.replace("95", "", 1))
+            )
+            assert low < value < high, head
+        first = page.locator("#atlas-sliders input").first
+        first.press("End")
+        friction = page.locator("#atlas-sliders output").first.inner_text()
+        page.select_option("#atlas-test", "1")
+        assert page.locator("#atlas-sliders output").first.inner_text() == friction

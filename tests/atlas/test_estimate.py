@@ -17,6 +17,7 @@ from grainfit.atlas.forecast import Forecast
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED
 from grainfit.atlas.strata import strata
+from grainfit.calibration_file.checks import messages as checked
 from grainfit.cli.app import app
 from grainfit.materials.particle_shape import ASPECT_RATIO
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
@@ -310,3 +311,12 @@ def test_bad_input_is_named_without_a_traceback(given: list[str], named: str) ->
     assert isinstance(found.exception, gf.InputError)
     assert named in str(found.exception)
     assert "heap.toml" not in str(found.exception)
+
+
+def test_an_estimate_names_impossible_measurements_as_check_does() -> None:
+    dense = estimate_of_heap("3 mm", "540", density="500")
+    steep = estimate_of_heap("3 mm", angle="89 deg", density="1000")
+
+    assert checked.IMPOSSIBLE_BULK_DENSITY.is_in(str(dense))
+    assert checked.STEEP_ANGLE.is_in(str(steep))
+    assert estimate_of_heap("3 mm", "540", "34 deg").doubts == ()

@@ -85,6 +85,14 @@ def test_what_differs_is_named_beside_the_most_similar_apparatus() -> None:
         _reading(smooth_disc)
 
 
+def test_a_wide_hopper_of_fine_particles_is_read_without_that_of_the_rows() -> None:
+    fine = gf.tests.Hopper(
+        diameter="0.3 mm", half_angle="90 deg", width="47.5 mm", fill_height="3 mm"
+    )
+
+    assert _reading(fine).inputs(_material())["size"] > 5
+
+
 def test_stresses_of_a_yield_locus_are_told_over_the_load() -> None:
     material = _material(particle__youngs_modulus=1e8)
     light, heavy = (

@@ -7,6 +7,7 @@ from typing import ClassVar
 import pytest
 
 from grainfit.bulk_tests.funnel import Funnel
+from grainfit.errors import InputError
 from grainfit.testing.bulk_test_contract import BulkTestContract
 from grainfit.testing.materials import ROUGH_PLATE
 
@@ -34,3 +35,8 @@ class TestFunnel(BulkTestContract):
     @pytest.fixture
     def bulk_test(self) -> Funnel:
         return Funnel(diameter="10 mm", poured_volume="800 cm^3", **ROUGH_PLATE)
+
+
+def test_too_large_a_volume_is_named_in_its_own_unit() -> None:
+    with pytest.raises(InputError, match=r"poured_volume 0\.00015 m³"):
+        Funnel(diameter="0.3 mm", poured_volume="150 ml", **ROUGH_PLATE)

@@ -167,6 +167,8 @@ class Estimate(Summary, OneLine):
         What measurements that were not made would settle, in the usual apparatus.
     points, weights : ndarray
         Sample of the parameters, shape (n, d), in the unit cube, and its weights.
+    doubts : tuple of str
+        Measured values that are impossible, and what may be wrong with them.
     """
 
     parameters: tuple[EstimatedParameter, ...]
@@ -181,6 +183,7 @@ class Estimate(Summary, OneLine):
     further: tuple[FurtherMeasurement, ...]
     points: Array
     weights: Array
+    doubts: tuple[str, ...] = ()
 
     @property
     def out_of_reach(self) -> tuple[str, ...]:
@@ -207,6 +210,7 @@ class Estimate(Summary, OneLine):
         return (
             messages.NOT_SIMULATED(),
             # Before the tables, which mean little then.
+            *self.doubts,
             *(messages.OUT_OF_REACH(response=name) for name in self.out_of_reach),
             *(messages.AT_ODDS(response=name) for name in self.at_odds),
             TextTable(

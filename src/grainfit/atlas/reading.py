@@ -364,10 +364,10 @@ def _apparatus(stratum: Stratum, test: BulkTest) -> _Apparatus:
     given = test.resolved_options()
     loads = {name: given[name] / scale.of("Pa") for name in varied.loads}
     usual = dict.fromkeys(varied.factors, 1.0) | {n: given[n] for n in varied.values} | loads
-    reference = stratum.apparatus({**usual, SIZE: 1.0}, scale).resolved_options()
+    reference = stratum.options({**usual, SIZE: 1.0}, scale)
     size = given[varied.size_option] / reference[varied.size_option]
     usual[SIZE] = float(size ** (1 / varied.size_power))
-    at_size = stratum.apparatus(usual, scale).resolved_options()
+    at_size = stratum.options(usual, scale)
     factors = [name for name in varied.factors if given[name] is not None]
     usual |= {name: given[name] / at_size[name] for name in factors}
     alike = stratum.apparatus(usual, scale).resolved_options()

@@ -198,7 +198,18 @@ class Stratum:
         return Simulated(test.with_time_step_fraction(fraction), material)
 
     def apparatus(self, inputs: Mapping[str, float], scale: Scale) -> BulkTest:
-        """Return the test in the apparatus of a row, at any scale."""
+        """Return the test in the apparatus of a row, at any scale.
+
+        Raises
+        ------
+        InputError
+            The apparatus is impossible.
+        """
+        sizes = self.particles.sizes(scale.length)
+        return self.kind(sizes, gravity=scale.gravity, **self.options(inputs, scale))
+
+    def options(self, inputs: Mapping[str, float], scale: Scale) -> dict[str, Any]:
+        """Return the options of this apparatus, possible or not."""
         varied, sizes = self.varied, self.particles.sizes(scale.length)
         usual = self.kind(sizes, gravity=scale.gravity, **varied.same)
         options: dict[str, Any] = {**varied.same, **self._at_size(usual, inputs[SIZE])}
@@ -207,8 +218,7 @@ class Stratum:
         for name, factor in factors.items():
             options[name] = factor * options.get(name, values[name])
         options |= {name: _whole(span, inputs[name]) for name, span in varied.values.items()}
-        options |= {name: inputs[name] * scale.of("Pa") for name in varied.loads}
-        return self.kind(sizes, gravity=scale.gravity, **options)
+        return options | {name: inputs[name] * scale.of("Pa") for name in varied.loads}
 
     def powers(self, response: str) -> dict[str, float]:
         """Return the powers of inputs that a response follows by itself: of size and load."""

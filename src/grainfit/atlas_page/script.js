@@ -21,6 +21,8 @@
   const find = (id) => document.getElementById(id);
   let test = tests[0];
   let shares = [];
+  // Values that the user has chosen, by the name of the input: they stay in another test.
+  const chosen = new Map();
 
   const scaled = (input, value) => (input.power === 0 ? Math.log(value) : value ** input.power);
 
@@ -44,6 +46,14 @@
 
   const text = (value) => String(Number(value.toPrecision(3)));
 
+  // Values of an interval, with two digits of its half-width, so that they differ.
+  function textsOf(values) {
+    const half = (values[values.length - 1] - values[0]) / 2;
+    if (!(half > 0)) return values.map(text);
+    const digits = Math.min(Math.max(0, 1 - Math.floor(Math.log10(half))), 20);
+    return values.map((value) => value.toFixed(digits));
+  }
+
   function svg(name, attributes, words) {
     const element = document.createElementNS(SVG, name);
     Object.entries(attributes).forEach(([key, value]) => element.setAttribute(key, value));
@@ -55,13 +65,16 @@
 
   const number = (id, factor) => Number(find(id).value) * factor;
 
-  // What is wrong with the fields; no numbers are shown then.
+  // What is wrong with the fields; no numbers are shown then. Fields of numbers drop a comma
+  // without a word in some browsers, which makes 35 of 3,5: they are fields of text.
   function faults() {
     return Object.entries(FIELDS).flatMap(([id, [words, unit]]) => {
       const field = find(id);
-      const isValid = field.checkValidity();
+      const { min, max } = field.dataset;
+      const isValid = number(id, 1) >= Number(min) && number(id, 1) <= Number(max);
       field.setAttribute("aria-invalid", String(!isValid));
-      return isValid ? [] : [`Give a ${words} from ${field.min} to ${field.max}\u00a0${unit}.`];
+      const point = field.value.includes(",") ? ", with a decimal point" : "";
+      return isValid ? [] : [`Give a ${words} from ${min} to ${max}\u00a0${unit}${point}.`];
     });
   }
 
@@ -142,8 +155,7 @@
     const drawing = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img" });
     const input = test.inputs[axis];
     const { factor, sign } = shownIn(response.unit);
-    const shown = (number) => text(factor * number);
-    const [least, mean, most] = here.values.map(shown);
+    const [least, mean, most] = textsOf(here.values.map((one) => factor * one));
     const value = `${mean}${sign}, 95\u00a0% ${least} to ${most}${sign}`;
     drawing.append(svg("title", {}, `${response.name} over ${input.words}: here ${value}`));
     ticks(factor * low, factor * high).forEach((tick) => {
@@ -216,6 +228,7 @@
     range.value = Math.round(STEPS * shares[j]);
     range.addEventListener("input", () => {
       shares[j] = Number(range.value) / STEPS;
+      chosen.set(input.name, valueAt(input, shares[j]));
       showSoon();
     });
     const value = document.createElement("output");
@@ -227,7 +240,11 @@
 
   function choose() {
     test = tests[Number(find("atlas-test").value)];
-    shares = test.inputs.map(startOf);
+    shares = test.inputs.map((input) =>
+      chosen.has(input.name)
+        ? Math.min(Math.max(shareOf(input, chosen.get(input.name)), 0), 1)
+        : startOf(input)
+    );
     find("atlas-axis").replaceChildren(
       ...test.inputs.map((input, j) => new Option(input.words, String(j), j === 1, j === 1))
     );

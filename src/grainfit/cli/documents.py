@@ -186,6 +186,7 @@ def estimate_document(file: Path | None, found: Estimate) -> dict[str, Any]:
         "untold": found.untold,
         "less_sure": found.less_sure,
         "left_out": found.left_out,
+        "doubts": found.doubts,
         "chance": found.chance,
         "runs": found.runs,
         "seconds": found.seconds,

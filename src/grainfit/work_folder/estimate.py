@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.parameter_names import DENSITY as PARTICLE_DENSITY
 from grainfit.bulk_tests.parameter_names import ROLLING, SLIDING
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
+from grainfit.calibration_file.checks.solid_fractions import impossible_bulk_density
+from grainfit.calibration_file.checks.unusual_values import unusual_angles
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
 from grainfit.errors import InputError
 from grainfit.materials.size_distributions import DIAMETER
@@ -19,6 +22,7 @@ from grainfit.options.fields import read_options
 from grainfit.options.tables import Key
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.relative_names import is_relative
+from grainfit.solvers.check_context import CheckContext
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.work_folder import messages
 from grainfit.work_folder.open_folder import open_folder
@@ -80,7 +84,15 @@ def estimate(source: str | Path | CalibrationSetup, *, seed: int = 1) -> Estimat
     >>> print(gf.estimate("beads.toml"))  # doctest: +SKIP
     """
     setup = source if isinstance(source, CalibrationSetup) else load_calibration(source)
-    return estimate_of(setup.problem, setup.solvers, seed=seed)
+    found = estimate_of(setup.problem, setup.solvers, seed=seed)
+    return _with_doubts(found, CheckContext(setup.problem, setup.solvers, setup.file.fixed))
+
+
+def _with_doubts(found: Estimate, context: CheckContext) -> Estimate:
+    """Return an estimate that names impossible measured values, as ``check`` does."""
+    impossible = (text for _, text in unusual_angles(context))
+    dense = (finding.text for finding in impossible_bulk_density(context))
+    return replace(found, doubts=(*dense, *impossible))
 
 
 def estimate_of_running(folder: Path) -> Estimate | None:
@@ -157,7 +169,8 @@ def estimate_of_heap(
         free.insert(0, Parameter(PARTICLE_DENSITY, *ends, unit=_DENSITY))
     rough: dict[str, Any] = Heap.options_for({})
     test = Heap(diameter=known["--diameter"], **rough)
-    return estimate_of(Problem(free, targets), {Heap.type: Lammps(test, material)})
+    problem, solvers = Problem(free, targets), {Heap.type: Lammps(test, material)}
+    return _with_doubts(estimate_of(problem, solvers), CheckContext(problem, solvers, material))
 
 
 def _plain(density: str) -> str | float:

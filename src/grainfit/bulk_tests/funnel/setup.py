@@ -182,8 +182,8 @@ class FunnelSetup(Setup):
         """Iterate over what is impossible: the funnel, the heap, the number of particles."""
         yield [*self._funnel_faults()]
         yield [*self._heap_faults()]
-        lengths = {"poured_volume": float(self.poured_volume)}
-        yield [*count_faults(self.filling.particle_count, lengths)]
+        volume = {"poured_volume": float(self.poured_volume)}
+        yield [*count_faults(self.filling.particle_count, volume, unit="m^3")]
 
     def _funnel_faults(self) -> Iterator[Fault]:
         largest = self.largest

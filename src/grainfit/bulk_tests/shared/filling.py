@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from grainfit.bulk_tests.shared import messages
 from grainfit.errors import Fault
+from grainfit.formatting import unit_for_people
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.one_line import OneLine
 from grainfit.scenes.conditions import AtRest
@@ -167,7 +168,7 @@ def least_radius(sizes: ParticleSizes) -> float:
 
 
 def count_faults(
-    count: int, lengths: Mapping[str, float], count_is_given: bool = False
+    count: int, dimensions: Mapping[str, float], count_is_given: bool = False, unit: str = "m"
 ) -> Iterator[Fault]:
     """Iterate over what is impossible about the number of particles.
 
@@ -175,17 +176,20 @@ def count_faults(
     ----------
     count : int
         Particles rained in.
-    lengths : mapping of str to float
-        Options that the number follows from, m; the largest of them is named.
+    dimensions : mapping of str to float
+        Options that the number follows from; the largest of them is named.
     count_is_given : bool
-        The user gave the number, as ``particle_count``, and not the lengths alone.
+        The user gave the number, as ``particle_count``, and not the dimensions alone.
+    unit : str
+        Of the dimensions.
     """
     if count <= MOST_PARTICLES:
         return
-    longest = max(lengths, key=lambda name: lengths[name])
-    container = ", ".join(f"{name} {value:g} m" for name, value in lengths.items())
+    largest = max(dimensions, key=lambda name: dimensions[name])
+    shown = unit_for_people(unit)
+    container = ", ".join(f"{name} {value:g} {shown}" for name, value in dimensions.items())
     yield messages.TOO_MANY_PARTICLES.fault(
-        "particle_count" if count_is_given else longest,
+        "particle_count" if count_is_given else largest,
         count=count,
         most=MOST_PARTICLES,
         factor=factor_for_fewer(count),

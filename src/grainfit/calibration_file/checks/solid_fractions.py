@@ -8,13 +8,13 @@ from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.parameter_names import DENSITY, MODULUS
 from grainfit.bulk_tests.stiffness import overlap_law, stiffness_number
 from grainfit.calibration_file.checks import messages
-from grainfit.calibration_file.checks.context import FileContext
 from grainfit.checks import Found, check
 from grainfit.contact_models.registry import COHESION
 from grainfit.evaluation import response_name
 from grainfit.formatting import number, rounded_off
 from grainfit.materials.walls import plain_name
 from grainfit.problem import Target
+from grainfit.solvers.check_context import CheckContext
 
 #: Solid fractions of beds of equal spheres that are possible at all. Above: the densest packing of
 #: equal spheres, pi/sqrt(18) (Hales, Annals of Mathematics 162, 2005). Below: far under random
@@ -32,7 +32,7 @@ _BULK_DENSITY = "bulk_density"
 
 
 @check("impossible-bulk-density", "warning")
-def impossible_bulk_density(context: FileContext) -> Iterator[Found]:
+def impossible_bulk_density(context: CheckContext) -> Iterator[Found]:
     """Bulk densities that no density of the particles within its interval can give.
 
     Nothing is said of clumps, which pack more densely than spheres, of very loose beds of cohesive

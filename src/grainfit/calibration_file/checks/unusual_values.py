@@ -11,6 +11,7 @@ from grainfit.checks import Found, check
 from grainfit.materials.wall_friction import USUAL_FRICTION, friction_of_angle
 from grainfit.materials.walls import plain_name
 from grainfit.options.fields import option_keys
+from grainfit.solvers.check_context import CheckContext
 
 #: Densities of solids, kg/m^3: from aerogels and cork to tungsten and gold.
 _DENSITIES = (50.0, 2.3e4)
@@ -39,6 +40,12 @@ def unusual_value(context: FileContext) -> Iterator[Found]:
         if not _GRAVITIES[0] <= gravity <= _GRAVITIES[1]:
             key = context.key(name, "gravity")
             yield key, messages.UNUSUAL_GRAVITY(test=name, value=gravity)
+    yield from unusual_angles(context)
+
+
+def unusual_angles(context: CheckContext) -> Iterator[Found]:
+    """Iterate over measured angles that no bed has."""
+    for name, test in context.bulk_tests.items():
         for response, value in context.targets_of(name).items():
             info = test.responses.get(response)
             if info is None or value is None or info.unit != "deg" or not value:
