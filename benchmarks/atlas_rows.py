@@ -25,7 +25,7 @@ from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.row import REPEATS, Row, point_of, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, hash_of, models_of, revision_of, rows_of
 from grainfit.atlas.strata import ROW_SCALE, Stratum, strata
-from grainfit.atlas.surrogate import FEWEST_ROWS, Surrogate, points_of
+from grainfit.atlas.surrogate import FEWEST_OWN, FEWEST_ROWS, Surrogate, points_of
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import scalars
 from grainfit.files import write_atomically
@@ -253,8 +253,8 @@ def publish(source: Path, folder: Path) -> Iterator[str]:
                 )
         rows = [row for row in rows if row.program in admitted]
         # Strata of dry spheres come first: their rows are a limit of the others'.
-        dry = stratum.with_limit(published.get(stratum.kind.type, []))
-        if len(rows) + len(dry) < FEWEST_ROWS or stratum.kind.type not in {name, *published}:
+        least = FEWEST_OWN if stratum.limit else FEWEST_ROWS
+        if len(rows) < least or stratum.kind.type not in {name, *published}:
             continue
         published[name] = rows
         surrogate = Surrogate(stratum, rows, published[stratum.kind.type])

@@ -19,7 +19,7 @@ from grainfit.metamodels.kriging import Kriging
 #: Fewest rows with a response from which it is predicted.
 FEWEST_ROWS = 24
 #: Fewest of them that are not of dry spheres.
-_FEWEST_OWN = 12
+FEWEST_OWN = 12
 #: A response whose values span this factor is predicted as its logarithm, unless it is an angle.
 _WIDE = 2.0
 _ANGLE = "deg"
@@ -216,7 +216,7 @@ class Surrogate:
         points = points_of(rows, stratum.ranges)
         for name in stratum.kind.responses:
             has = _has(name, rows)
-            if has.sum() < FEWEST_ROWS or has[: len(self.rows)].sum() < _FEWEST_OWN:
+            if has.sum() < FEWEST_ROWS or has[: len(self.rows)].sum() < FEWEST_OWN:
                 continue
             given = stratum, name, points, rows
             if plain is None:
