@@ -65,6 +65,20 @@ def test_several_numbers_or_names_are_none(several: Any) -> None:
         assert message.is_in(str(caught.value))
 
 
+@pytest.mark.parametrize("unit", [["kPa"], ("kPa",), np.array(["kPa", "Pa"]), 5])
+def test_a_unit_that_is_no_text_is_refused(unit: Any) -> None:
+    for make, key in (
+        (lambda: Target("x", 1.0, unit=unit), "x.unit"),
+        (lambda: Target("x", "1 kPa", unit=unit), "x.unit"),
+        (lambda: Target.of_measurements("x", [1.0, 2.0], unit=unit), "x.unit"),
+        (lambda: Parameter("p", "1 m", "2 m", unit=unit), "p.unit"),
+        (lambda: CurveTarget("c", [1, 2], [1, 2], 0.1, coordinate_unit=unit), "c.coordinate_unit"),
+    ):
+        with pytest.raises(InputError) as caught:
+            make()
+        assert [fault.key for fault in caught.value.faults] == [key]
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_targets_must_be_finite_numbers(value: float) -> None:
     with pytest.raises(InputError, match=f"{of_problem.NO_NUMBER.pattern} It must"):

@@ -18,6 +18,7 @@ from grainfit.formatting import in_usual_unit
 from grainfit.messages import Message
 from grainfit.problem import messages
 from grainfit.problem.correlations import symmetric_matrix
+from grainfit.problem.quantities import require_units
 from grainfit.student import student_factor
 from grainfit.units import percentage
 from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable, plain
@@ -114,6 +115,7 @@ class CurveTarget:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise InputError(messages.NO_TARGET_NAME.fault("curve"))
+        require_units(self, "unit", "coordinate_unit")
         for key in ("coordinates", "values"):
             object.__setattr__(self, key, self._numbers(key, getattr(self, key)))
         if fault := self._point_fault():

@@ -13,7 +13,13 @@ from grainfit.formatting import short_repr
 from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, friction_about
 from grainfit.materials.walls import plain_name
 from grainfit.problem import messages
-from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
+from grainfit.problem.quantities import (
+    make_plain,
+    read_quantities,
+    require_units,
+    share_of,
+    shown,
+)
 from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable
 
 Scale = Literal["linear", "log"]
@@ -110,6 +116,7 @@ class Parameter:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise InputError(messages.NO_PARAMETER_NAME.fault("parameter"))
+        require_units(self, "unit")
         known = material_parameter(self.name)
         unit = known.unit if known else None
         keys = {"minimum": "min", "maximum": "max", "measured": "measured"}

@@ -7,7 +7,7 @@ from typing import Any
 
 from grainfit.errors import Fault, InputError
 from grainfit.units import UnitError, percentage, to_si, to_unit
-from grainfit.validation import as_number
+from grainfit.validation import as_number, kind_faults
 
 
 def shown(value: object) -> str:
@@ -21,6 +21,17 @@ def make_plain(owner: object, *keys: str) -> None:
         value = getattr(owner, key)
         if value is not None:
             object.__setattr__(owner, key, float(value))
+
+
+def require_units(owner: Any, *keys: str) -> None:
+    """Raise `InputError` if units of an owner with a name are no texts."""
+    InputError.raise_for(
+        fault
+        for key in keys
+        for fault in kind_faults(
+            f"{owner.name}.{key}", getattr(owner, key), str | None, 'a text such as "kg/m^3"'
+        )
+    )
 
 
 def read_quantities(owner: Any, keys: Mapping[str, str], usual_unit: str | None = None) -> None:

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 from grainfit.errors import Fault, InputError
 from grainfit.formatting import short_repr
 from grainfit.problem import messages
-from grainfit.problem.quantities import make_plain, read_quantities, share_of, shown
+from grainfit.problem.quantities import (
+    make_plain,
+    read_quantities,
+    require_units,
+    share_of,
+    shown,
+)
 from grainfit.student import NORMAL_QUANTILE, student_factor
 from grainfit.units import percentage
 from grainfit.validation import NOT_COMPUTABLE, SMALLEST_SHARE, as_number, is_computable, plain
@@ -86,6 +92,7 @@ class Target:
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        require_units(self, "unit")
         read_quantities(self, {"value": "value"})
         _require_shares(self)
         shares = {key: share_of(getattr(self, key), self.value) for key in _TARGET_WIDTHS}
@@ -342,6 +349,7 @@ def read_measurements(
     given = list(measurements) if is_list else []
     keys = {str(number): "measurements" for number in range(len(given))}
     owner = SimpleNamespace(name=name, unit=unit, **dict(zip(keys, given, strict=True)))
+    require_units(owner, "unit")
     read_quantities(owner, keys)
     values = [as_number(getattr(owner, key)) for key in keys]
     InputError.raise_for(_faults_of_values(name, given, values))
