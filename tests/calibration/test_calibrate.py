@@ -636,6 +636,15 @@ def test_runs_that_all_fail_stop_it_with_the_reason_and_it_can_be_started_again(
     assert gf.calibrate(problem(), model, workdir=tmp_path).status == "calibrated"
 
 
+def test_failures_that_differ_in_numbers_only_stop_it_as_equal_ones_do() -> None:
+    def model(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        raise gf.RunFailedError(f"No rest within {seed % 100} s, see /runs/{seed}/log.")
+
+    with pytest.raises(gf.RunFailedError) as caught:
+        gf.calibrate(problem(), model)
+    assert ALL_FAILED.is_in(str(caught.value), runs=3)
+
+
 def test_a_target_that_is_added_later_is_found_in_the_runs_that_are_known(tmp_path: Path) -> None:
     both = problem()
     one = gf.Problem(both.parameters, both.targets[:1])

@@ -35,6 +35,7 @@ from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal, name_of_test
+from grainfit.formatting import alike
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import about_other_kind, about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
@@ -651,8 +652,7 @@ class CalibrationLoop:
         tests = {self._problem.scope_of(name).name for name in missing}
         tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]
         count = len(tried)
-        reasons = {tuple(e.failures.values()) for e in tried}
-        most = _MOST_EQUAL_FAILURES if len(reasons) == 1 else _MOST_FAILURES
+        most = _MOST_EQUAL_FAILURES if _causes(tried) == 1 else _MOST_FAILURES
         if not missing or count < most:
             return
         last = tried[-1]
@@ -672,10 +672,9 @@ class CalibrationLoop:
     def _stop_after_faults_of_machine(self) -> None:
         """Stop when the last runs failed for the same reason of the machine, after all retries."""
         latest = self._evaluations[-_MOST_EQUAL_FAILURES:]
-        reasons = {tuple(evaluation.failures.values()) for evaluation in latest}
         if (
             len(latest) < _MOST_EQUAL_FAILURES
-            or len(reasons) > 1
+            or _causes(latest) > 1
             or not all(evaluation.failed_by_machine for evaluation in latest)
         ):
             return
@@ -765,6 +764,11 @@ class CalibrationLoop:
             for e in self._evaluations
             if names <= e.responses.keys()
         ]
+
+
+def _causes(evaluations: Sequence[Evaluation]) -> int:
+    """Return the number of causes of failures: those that differ in numbers only are one."""
+    return len(alike("; ".join(evaluation.failures.values()) for evaluation in evaluations))
 
 
 def _runs(evaluations: Sequence[Evaluation]) -> int:
