@@ -162,6 +162,7 @@ def test_curve_of_a_model_in_its_own_unit(curve_of: Callable[..., CurveTarget]) 
     [
         ("strain [%],stress [kPa]", (100, 1300), "Pa"),
         ("strain (%),stress / kPa", (100, 1300), "Pa"),
+        ('"strain, %",stress in kPa', (100, 1300), "Pa"),
         ("strain,stress\n%,kPa", (100, 1300), "Pa"),
         ("strain [%],stress (mean)", (0.1, 1.3), ""),
         ("strain [%],stress [mean]", (0.1, 1.3), ""),

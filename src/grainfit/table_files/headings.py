@@ -17,6 +17,14 @@ _PERHAPS = (
     re.compile(r"(?P<name>.*?\S)\s*\(\s*(?P<unit>[^()]+?)\s*\)"),
     re.compile(r"(?P<name>.*?\S)\s+/\s*(?P<unit>\S+)|(?P<other>.*?\S)/\s+(?P<its_unit>\S+)"),
 )
+_BEHIND_WORD = re.compile(r"(?P<name>.*?\S)(?:,\s*|\s+in\s+)(?P<unit>[^\s,]+)")
+#: One letter may be a quantity: "F/A".
+_BEHIND_SLASH = re.compile(r"(?P<name>[^\s/]+)/(?P<unit>\S{2,})")
+_WORD = re.compile(r"[a-z]{3,}")
+#: Words that are units behind a name: "mass", "strain" and "point" are units, too.
+_UNITS = frozenset(
+    "bar mbar deg degree degrees rad rpm min hour hours psi lbf kgf inch mol ppm percent".split()
+)
 #: A unit in brackets.
 _BRACKETS = re.compile(r"^[\[(]\s*(.*?)\s*[\])]$")
 _LONGEST_SHOWN = 60
@@ -68,6 +76,8 @@ def heading(position: int, text: str) -> Heading:
     --------
     >>> [heading(0, text).unit for text in ("u [mm]", "u (mm)", "u / mm", "u (left)")]
     ['mm', 'mm', 'mm', None]
+    >>> [heading(0, text).unit for text in ("u in mm", "u, mm", "load/kN", "u/strain", "l/min")]
+    ['mm', 'mm', 'kN', None, None]
     """
     found = _IN_BRACKETS.fullmatch(text)
     if found is not None:
@@ -79,7 +89,17 @@ def heading(position: int, text: str) -> Heading:
         name, unit = [part for part in found.groups() if part]
         if is_unit(unit) or unit in WITHOUT_UNIT:
             return Heading(position, text, name, unit)
+    found = _BEHIND_WORD.fullmatch(text)
+    # "l/min" is a unit as a whole.
+    if found is None and not is_unit(text):
+        found = _BEHIND_SLASH.fullmatch(text)
+    if found is not None and _is_tail(found["unit"]):
+        return Heading(position, text, found["name"], found["unit"])
     return Heading(position, text, text)
+
+
+def _is_tail(text: str) -> bool:
+    return is_unit(text) and (text in _UNITS or _WORD.fullmatch(text) is None)
 
 
 def with_units(headings: Sequence[Heading], cells: Sequence[str]) -> tuple[Heading, ...] | None:
