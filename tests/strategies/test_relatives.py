@@ -240,6 +240,19 @@ def test_a_search_that_is_asked_and_told_has_relatives() -> None:
     assert asked["heap (relative)"] >= 5
 
 
+def test_ten_runs_that_cost_a_tenth_are_one_for_search_and_loop(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scope = gf.TestScope("heap", ["angle", "density"], ["sliding", "rolling"])
+    own = replace(problem_at(), tests=[scope], relatives=[Relative("heap", 0.1)])
+    search = gf.Sequential().start(own, seed=1, max_evaluations=10)
+    at = {"sliding": 0.5, "rolling": 0.4}
+    asked = [gf.Proposal(at, seed, "design", ("heap (relative)",)) for seed in range(10)]
+    monkeypatch.setattr(search, "_asked", asked)
+    monkeypatch.setattr(search, "_allowed", 1)
+    assert search._budget_is_used
+
+
 def test_failures_of_a_relative_count_for_its_own_runs_alone() -> None:
     scope = gf.TestScope("heap", ["angle", "density"], ["sliding", "rolling"])
     own = replace(problem_at(), tests=[scope])

@@ -41,6 +41,7 @@ from grainfit.metamodels.curve_reduction import about_other_kind, about_short_cu
 from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.metamodels.metamodels import runs_that_yield
 from grainfit.problem import Problem
+from grainfit.problem.test_scope import cost_of_relatives
 from grainfit.result import Result
 from grainfit.run_definition import identity_of
 from grainfit.strategies.answer import Answer
@@ -57,8 +58,6 @@ _MOST_EQUAL_FAILURES, _MOST_FAILURES = 3, 8
 _ENDED = ("finished", "failed")
 #: Of many fresh seeds that are needed, this part is run before the answer is judged again.
 _PART = 4
-#: Rounding errors of a sum of costs.
-_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -458,10 +457,10 @@ class CalibrationLoop:
 
         Rounded down, as the search does.
         """
-        costs = {one.name: one.cost or 0.0 for one in self._strategy.problem.relatives}
+        relatives = self._strategy.problem.relatives
+        names = {one.name for one in relatives}
         runs = [name_of_test(run) for evaluation in evaluations for run in evaluation.runs]
-        spent = sum(costs.get(test, 0.0) for test in runs)
-        return sum(test not in costs for test in runs) + math.floor(spent + _ROUNDING)
+        return sum(test not in names for test in runs) + cost_of_relatives(relatives, runs)
 
     def _recorded_answer(self) -> Mapping[str, float] | None:
         """Return the answer that an earlier start was verifying when it ended."""

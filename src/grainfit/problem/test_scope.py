@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from grainfit.errors import Fault, InputError
@@ -12,6 +12,10 @@ from grainfit.problem import messages
 from grainfit.problem.quantities import make_plain
 from grainfit.relative_names import relative_name
 from grainfit.validation import as_number, set_plain, whole_number_faults
+
+
+#: Rounding errors of a sum of costs: ten times 0.1 are 1.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -109,6 +113,25 @@ class Relative(OneLine):
     def scope(self, of: TestScope) -> TestScope:
         """Return the scope of its runs, with the targets of the test that it tells about."""
         return TestScope(self.name, of.targets, of.parameters)
+
+
+def cost_of_relatives(relatives: Sequence[Relative], tests: Iterable[str]) -> int:
+    """Return the whole runs of tests that cost as much as those runs that are of relatives.
+
+    Parameters
+    ----------
+    relatives : sequence of Relative
+        The relatives of a problem. Runs of earlier calibrations cost nothing.
+    tests : iterable of str
+        Name of the test or the relative of each run.
+
+    Examples
+    --------
+    >>> cost_of_relatives([Relative("heap", 0.1)], ["heap (relative)"] * 10 + ["heap"])
+    1
+    """
+    costs = {one.name: one.cost or 0.0 for one in relatives}
+    return math.floor(sum(costs.get(test, 0.0) for test in tests) + _ROUNDING)
 
 
 def relative_faults(relatives: Sequence[Relative], tests: Sequence[TestScope]) -> Iterator[Fault]:

@@ -30,6 +30,7 @@ from grainfit.metamodels.predictor import RUNS_PER_COEFFICIENT, runs_for_trend
 from grainfit.metamodels.time_steps import EQUAL_TIME_STEPS
 from grainfit.metamodels.unit_cube import spread_subset
 from grainfit.problem import Problem, Relative, TestScope
+from grainfit.problem.test_scope import cost_of_relatives
 from grainfit.strategies import messages
 from grainfit.strategies.answer import Answer, make_answer
 from grainfit.strategies.base import Search
@@ -453,9 +454,9 @@ class SequentialSearch(Search):
 
     @property
     def _budget_is_used(self) -> bool:
-        relatives = {one.name: one.cost or 0.0 for one in self.problem.relatives}
-        spent = sum(relatives.get(test, 0.0) for one in self._asked for test in one.tests or ())
-        return self._sets(self._asked) + math.floor(spent) >= self._allowed
+        tests = [test for one in self._asked for test in one.tests or ()]
+        spent = cost_of_relatives(self.problem.relatives, tests)
+        return self._sets(self._asked) + spent >= self._allowed
 
     @property
     def _design_is_told(self) -> bool:
