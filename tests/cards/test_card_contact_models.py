@@ -14,6 +14,7 @@ import grainfit
 from grainfit.calibration_file.starter import starter_file
 from grainfit.cards import material_card, render
 from grainfit.contact_models import messages as contact_messages
+from grainfit.contact_models.base import RESTITUTION_WITH_COHESION
 from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
 from grainfit.materials.card import MaterialCard, Program
@@ -85,6 +86,25 @@ def test_a_card_has_the_equation_of_every_term_as_its_solver_computes_it(
     other = {e.formula for e in law.equations()} - {e.formula for e in law.equations(to)}
     assert bool(other) == (to != "liggghts"), "LIGGGHTS is the reference"
     assert not any(formula in text for formula in other)
+
+
+@pytest.mark.parametrize(
+    ("cohesion", "key"),
+    [
+        ("jkr", "surface_energy"),
+        ("dmt", "surface_energy"),
+        ("sjkr", "cohesion_energy_density"),
+        ("sjkr2", "cohesion_energy_density"),
+    ],
+)
+def test_the_restitution_of_a_cohesive_card_is_that_without_cohesion(
+    card: MaterialCard, cohesion: str, key: str
+) -> None:
+    values = {**card.values, f"particle_particle.{key}": 0.05}
+    law = contact_law(values, (*card.contact_models, cohesion))
+    assert [one for one in law.conventions if one.key == "restitution"] == [
+        RESTITUTION_WITH_COHESION
+    ]
 
 
 def test_rolling_friction_is_said_to_be_a_multiple_of_the_reduced_radius(

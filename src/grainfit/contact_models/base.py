@@ -38,6 +38,13 @@ _COHESIVE = 0.6
 #: more are too soft for their cohesion, which then acts as if they were smaller.
 LARGEST_OVERLAP = 0.05
 
+#: Of models of cohesion, in place of that of the contact.
+RESTITUTION_WITH_COHESION = Convention(
+    "restitution",
+    "e",
+    "speed after over speed before a normal impact without cohesion, which takes more of slow ones",
+)
+
 #: Terms that follow from the springs of a contact.
 OF_SPRINGS = ("normal stiffness", "rolling spring")
 
@@ -211,8 +218,8 @@ class ContactLaw(OneLine):
 
     @property
     def conventions(self) -> list[Convention]:
-        """Meaning of the parameters in the equations."""
-        return [convention for model in self.models for convention in model.conventions]
+        """Meaning of the parameters in the equations; of two meanings, that of the later model."""
+        return list({one.key: one for model in self.models for one in model.conventions}.values())
 
     @property
     def differing_terms(self) -> list[tuple[str, Equation]]:

@@ -13,7 +13,6 @@ from grainfit.problem.quantities import make_plain
 from grainfit.relative_names import relative_name
 from grainfit.validation import as_number, set_plain, whole_number_faults
 
-
 #: Rounding errors of a sum of costs: ten times 0.1 are 1.
 _ROUNDING = 1e-9
 

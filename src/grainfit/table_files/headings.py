@@ -22,9 +22,10 @@ _BEHIND_WORD = re.compile(r"(?P<name>.*?\S)(?:,\s*|\s+in\s+)(?P<unit>[^\s,]+)")
 _BEHIND_SLASH = re.compile(r"(?P<name>[^\s/]+)/(?P<unit>\S{2,})")
 _WORD = re.compile(r"[a-z]{3,}")
 #: Words that are units behind a name: "mass", "strain" and "point" are units, too.
-_UNITS = frozenset(
-    "bar mbar deg degree degrees rad rpm min hour hours psi lbf kgf inch mol ppm percent".split()
-)
+_UNITS = {
+    *("bar", "mbar", "deg", "degree", "degrees", "rad", "rpm", "min", "hour", "hours"),
+    *("psi", "lbf", "kgf", "inch", "mol", "ppm", "percent"),
+}
 #: A unit in brackets.
 _BRACKETS = re.compile(r"^[\[(]\s*(.*?)\s*[\])]$")
 _LONGEST_SHOWN = 60

@@ -1,6 +1,6 @@
 """The contact model DMT: adhesion with a surface energy, in LAMMPS and YADE."""
 
-from grainfit.contact_models.base import ContactModel
+from grainfit.contact_models.base import RESTITUTION_WITH_COHESION, ContactModel
 from grainfit.contact_models.dmt.lammps import DmtLammps
 from grainfit.contact_models.dmt.model import attraction
 from grainfit.contact_models.dmt.yade import DmtYade
@@ -17,6 +17,6 @@ DMT = ContactModel(
         Equation("elastic force", "F_e = 4/3 E* a delta - 4 pi gamma R*"),
         Equation("pull-off force", "F_po = 4 pi gamma R*"),
     ),
-    conventions=(GAMMA,),
+    conventions=(GAMMA, RESTITUTION_WITH_COHESION),
     attraction=attraction,
 )

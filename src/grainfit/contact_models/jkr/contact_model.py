@@ -1,6 +1,6 @@
 """The contact model JKR: adhesion with a surface energy, in LAMMPS."""
 
-from grainfit.contact_models.base import ContactModel
+from grainfit.contact_models.base import RESTITUTION_WITH_COHESION, ContactModel
 from grainfit.contact_models.jkr.lammps import JkrLammps
 from grainfit.contact_models.jkr.model import attraction
 from grainfit.materials.equations import Convention, Equation
@@ -44,6 +44,6 @@ JKR = ContactModel(
             "8/9 of it on a wall, where LAMMPS ends the contact at an overlap of zero",
         ),
     ),
-    conventions=(GAMMA,),
+    conventions=(GAMMA, RESTITUTION_WITH_COHESION),
     attraction=attraction,
 )

@@ -1,6 +1,6 @@
 """The contact model SJKR: attraction by the true area of intersection, in LIGGGHTS."""
 
-from grainfit.contact_models.base import ContactModel
+from grainfit.contact_models.base import RESTITUTION_WITH_COHESION, ContactModel
 from grainfit.contact_models.sjkr.liggghts import SJKR_LIGGGHTS
 from grainfit.contact_models.sjkr.model import attraction
 from grainfit.materials.equations import Convention, Equation
@@ -45,6 +45,6 @@ SJKR = ContactModel(
         Equation("area of contact", "A = pi (R_1^2 - x^2)", "close to 2 pi R* delta"),
         *ATTRACTION,
     ),
-    conventions=(OMEGA,),
+    conventions=(OMEGA, RESTITUTION_WITH_COHESION),
     attraction=attraction,
 )

@@ -1,6 +1,6 @@
 """The contact model SJKR2: attraction by an approximate area, in LIGGGHTS."""
 
-from grainfit.contact_models.base import ContactModel
+from grainfit.contact_models.base import RESTITUTION_WITH_COHESION, ContactModel
 from grainfit.contact_models.sjkr.contact_model import ATTRACTION, COHESION_ENERGY_DENSITY, OMEGA
 from grainfit.contact_models.sjkr2.liggghts import SJKR2_LIGGGHTS
 from grainfit.contact_models.sjkr2.model import attraction
@@ -16,6 +16,6 @@ SJKR2 = ContactModel(
         Equation("area of contact", "A = 4 pi R* delta", "2 pi R* delta on a wall"),
         *ATTRACTION,
     ),
-    conventions=(OMEGA,),
+    conventions=(OMEGA, RESTITUTION_WITH_COHESION),
     attraction=attraction,
 )
