@@ -15,7 +15,7 @@ import pytest
 import grainfit as gf
 from grainfit.analysis.analysis import Analysis
 from grainfit.errors import InputError
-from grainfit.plots import convergence_figures, messages
+from grainfit.plots import convergence_figures, curve_traces, messages
 from grainfit.plots.arrange import arrange, in_columns
 from grainfit.plots.expected_course import Expectation
 from grainfit.plots.figure import Figure
@@ -259,3 +259,13 @@ def test_names_of_the_room() -> None:
     assert "plots" in dir(gf)
     with pytest.raises(AttributeError, match="no attribute 'pie'"):
         gf.plots.pie  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("unit", "places", "step"),
+    [("", (0, 1, 3), 1), ("", (0, 0.5, 1), None), ("s", (0, 1, 3), None)],
+)
+def test_an_axis_that_counts_has_whole_ticks(
+    unit: str, places: tuple[float, ...], step: int | None
+) -> None:
+    assert curve_traces.coordinate_axis("taps", unit, places).get("dtick") == step

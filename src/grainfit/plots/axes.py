@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import count
 from typing import Any
 
 from grainfit.formatting import number
@@ -13,6 +14,8 @@ from grainfit.work_folder.saved_calibration import SavedCalibration
 
 #: Rounding error of logarithms, so that a bound that is a power of ten gets its tick.
 _ROUNDING = 1e-9
+#: Intervals between ticks of an axis that counts.
+_MOST_TICKS = 8
 
 
 def parameter_axis(
@@ -31,6 +34,18 @@ def parameter_axis(
     if parameter.scale == "linear":
         return {**common, "range": [minimum, maximum], "nticks": 5}
     return {**common, **log_axis(minimum, maximum)}
+
+
+def whole_step(length: float) -> int:
+    """Return the step of ticks on an axis that counts: 1, 2 or 5 times a power of ten.
+
+    Examples
+    --------
+    >>> whole_step(3), whole_step(20), whole_step(150)
+    (1, 5, 20)
+    """
+    steps = (factor * 10**power for power in count() for factor in (1, 2, 5))
+    return next(step for step in steps if step * _MOST_TICKS >= length)
 
 
 def log_axis(minimum: float, maximum: float) -> Mapping[str, Any]:

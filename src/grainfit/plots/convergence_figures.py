@@ -13,7 +13,7 @@ from grainfit.formatting import plain, plain_interval, with_unit
 from grainfit.metamodels.curve_reduction import Reduction
 from grainfit.plots import messages
 from grainfit.plots.arrange import arrange
-from grainfit.plots.axes import log_axis
+from grainfit.plots.axes import log_axis, whole_step
 from grainfit.plots.expected_course import Expectation, expectations_at_answer
 from grainfit.plots.figure import Figure, no_figure
 from grainfit.plots.labels import label_of_response
@@ -29,9 +29,6 @@ _SMALLEST = 1e-3
 #: Room above and below the deviations, as a factor.
 _ROOM = 1.6
 _FEWEST_OF_A_LINE = 2
-#: Steps between ticks of the number of the run, and the most of them.
-_STEPS = tuple(factor * 10**power for power in range(12) for factor in (1, 2, 5))
-_MOST_TICKS = 8
 
 
 def convergence(saved: SavedCalibration) -> PlotlyFigure:
@@ -237,7 +234,7 @@ def _run_axis(count: int) -> dict[str, Any]:
         "tickformat": "d",
         # Ticks between two runs would be written as the next one.
         "tick0": 0,
-        "dtick": next(step for step in _STEPS if step * _MOST_TICKS >= count),
+        "dtick": whole_step(count),
     }
 
 

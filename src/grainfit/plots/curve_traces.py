@@ -7,6 +7,7 @@ from typing import Any
 
 from grainfit.bulk_tests.registry import curve_info
 from grainfit.formatting import plain, unit_for_people
+from grainfit.plots.axes import whole_step
 from grainfit.plots.style import BLUE, GREEN
 from grainfit.student import NORMAL_QUANTILE
 
@@ -29,10 +30,23 @@ def axis_of(words: str, unit: str) -> Mapping[str, Any]:
 
 
 def coordinate_axis(coordinate: str, unit: str, coordinates: Sequence[float]) -> Mapping[str, Any]:
-    """Return the axis of a coordinate, with a little room beside the measured points."""
-    margin = _MARGIN * (coordinates[-1] - coordinates[0])
-    ends = [coordinates[0] - margin, coordinates[-1] + margin]
-    return {**axis_of(coordinate or "coordinate", unit), "range": ends}
+    """Return the axis of a coordinate, with a little room beside the measured points.
+
+    Where it counts (it has no unit, and all points are at whole numbers), all ticks are whole.
+
+    Examples
+    --------
+    >>> [coordinate_axis("taps", "", (0, last))["dtick"] for last in (2, 30)]
+    [1, 5]
+    >>> "dtick" in coordinate_axis("strain", "", (0, 0.5))
+    False
+    """
+    length = coordinates[-1] - coordinates[0]
+    ends = [coordinates[0] - _MARGIN * length, coordinates[-1] + _MARGIN * length]
+    axis = {**axis_of(coordinate or "coordinate", unit), "range": ends}
+    if unit or not all(float(one).is_integer() for one in coordinates):
+        return axis
+    return {**axis, "tick0": 0, "dtick": whole_step(length)}
 
 
 def band(
