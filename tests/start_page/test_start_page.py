@@ -290,6 +290,24 @@ def test_a_page_that_is_opened_again_knows_that_the_calibration_runs(server: Sta
 
 
 @needs.CHROMIUM
+def test_a_hidden_page_asks_nothing_until_it_is_shown(server: StartServer) -> None:
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport=LAPTOP)
+        page.clock.install()
+        page.goto(server.address)
+        page.evaluate("Object.defineProperty(document, 'hidden', { get: () => window.isAway })")
+        page.evaluate("window.isAway = true; document.dispatchEvent(new Event('visibilitychange'))")
+        asked: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.clock.run_for(60_000)
+        assert asked == []
+        with page.expect_request("**/run"):
+            page.evaluate(
+                "window.isAway = false; document.dispatchEvent(new Event('visibilitychange'))"
+            )
+
+
+@needs.CHROMIUM
 def test_a_start_waits_for_what_is_refused_and_an_ended_page_says_so(server: StartServer) -> None:
     server.path.write_text(
         OWN.replace("[parameters]", '[particle]\ndiameter = "3 mm"\n[parameters]')

@@ -473,6 +473,10 @@
   // Seldom before it runs: it may be started in a terminal.
   const [LOOK, LOOK_SELDOM] = [1000, 5000];
   const look = async () => {
+    // Nobody sees a hidden page; it looks again once it is shown.
+    if (document.hidden) {
+      return;
+    }
     try {
       const run = await (await fetch("run")).json();
       const was = isRunning();
@@ -493,6 +497,10 @@
     clearTimeout(looking);
     looking = setTimeout(look, isRunning() ? LOOK : LOOK_SELDOM);
   };
+  document.addEventListener("visibilitychange", () => {
+    clearTimeout(looking);
+    look();
+  });
   // What is typed is in the file before a start, or the start is not made.
   const keepAll = async () => {
     for (const [key, given] of Object.entries(drafts)) {
