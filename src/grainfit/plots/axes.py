@@ -45,7 +45,7 @@ def whole_step(length: float) -> int:
     (1, 5, 20)
     """
     steps = (factor * 10**power for power in count() for factor in (1, 2, 5))
-    return next(step for step in steps if step * _MOST_TICKS >= length)
+    return int(next(step for step in steps if step * _MOST_TICKS >= length))
 
 
 def log_axis(minimum: float, maximum: float) -> Mapping[str, Any]:

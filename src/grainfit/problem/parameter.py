@@ -14,7 +14,7 @@ from grainfit.materials.wall_friction import MEASURED_BY_ANGLE, friction_about
 from grainfit.materials.walls import plain_name
 from grainfit.problem import messages
 from grainfit.problem.quantities import (
-    make_plain,
+    make_floats,
     read_quantities,
     require_units,
     share_of,
@@ -124,7 +124,7 @@ class Parameter:
         object.__setattr__(self, "uncertainty", share_of(self.uncertainty, self.measured))
         read_quantities(self, {"uncertainty": "uncertainty"}, unit)
         InputError.raise_for(list(_interval_faults(self)) or list(_measurement_faults(self)))
-        make_plain(self, "minimum", "maximum", *_MEASUREMENT)
+        make_floats(self, "minimum", "maximum", *_MEASUREMENT)
 
     def __repr__(self) -> str:
         return short_repr(self, "name", "minimum", "maximum")

@@ -23,7 +23,7 @@ from grainfit.problem.correlations import (
 )
 from grainfit.problem.curve_target import CurveTarget
 from grainfit.problem.parameter import Parameter
-from grainfit.problem.quantities import make_plain, shown
+from grainfit.problem.quantities import make_floats, shown
 from grainfit.problem.target import LARGEST_WEIGHT, Target
 from grainfit.problem.test_scope import (
     Relative,
@@ -117,7 +117,7 @@ class Problem:
         for key, example in _BY_NAME.items():
             InputError.raise_for(mapping_faults(key, getattr(self, key), example))
         InputError.raise_for([*self._faults()] or self._read_correlations())
-        make_plain(self, "rayleigh_weight")
+        make_floats(self, "rayleigh_weight")
 
     def _faults(self) -> Iterator[Fault]:
         parameters = [parameter.name for parameter in self.parameters]

@@ -15,8 +15,8 @@ def shown(value: object) -> str:
     return repr(value) if isinstance(value, str) else " ".join(str(value).split())
 
 
-def make_plain(owner: object, *keys: str) -> None:
-    """Convert NumPy numbers to floats, because results are written as JSON."""
+def make_floats(owner: object, *keys: str) -> None:
+    """Convert numbers of any kind to floats, whole ones too: definitions are compared as JSON."""
     for key in keys:
         value = getattr(owner, key)
         if value is not None:

@@ -13,7 +13,7 @@ from grainfit.errors import Fault, InputError
 from grainfit.formatting import short_repr
 from grainfit.problem import messages
 from grainfit.problem.quantities import (
-    make_plain,
+    make_floats,
     read_quantities,
     require_units,
     share_of,
@@ -102,7 +102,7 @@ class Target:
         InputError.raise_for(list(_target_faults(self)) or self._faults_of_size())
         if self.tolerance is None:
             object.__setattr__(self, "tolerance", self._usual_tolerance)
-        make_plain(self, "value", "uncertainty", "tolerance", "weight")
+        make_floats(self, "value", "uncertainty", "tolerance", "weight")
 
     @classmethod
     def of_measurements(

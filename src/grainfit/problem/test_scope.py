@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from grainfit.errors import Fault, InputError
 from grainfit.one_line import OneLine
 from grainfit.problem import messages
-from grainfit.problem.quantities import make_plain
+from grainfit.problem.quantities import make_floats
 from grainfit.relative_names import relative_name
 from grainfit.validation import as_number, set_plain, whole_number_faults
 
@@ -64,7 +64,7 @@ class TestScope(OneLine):
             raise InputError(
                 messages.NOT_ABOVE_ZERO.fault(f"{self.name}.seconds", given=repr(self.seconds))
             )
-        make_plain(self, "seconds")
+        make_floats(self, "seconds")
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Relative(OneLine):
         if not 0 < as_number(self.cost) < 1:
             key = f"{self.of}.cost"
             raise InputError(messages.NOT_CHEAPER.fault(key, given=repr(self.cost)))
-        make_plain(self, "cost")
+        make_floats(self, "cost")
 
     @property
     def name(self) -> str:
