@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 import grainfit as gf
 from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
 from grainfit.calibration import messages as of_calibration
+from grainfit.calibration.holdout import require_not_fitted
 from grainfit.calibration.registrations import HOLDOUTS_NAME, hash_of_targets
 from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.plan import describe_plan
@@ -28,6 +29,7 @@ from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.report.section import ReportContext
 from grainfit.report.sections.holdout.section import holdout as section
+from grainfit.run_definition import identity_of
 from grainfit.verdict import messages
 from grainfit.verdict.options import HOLDOUT
 from grainfit.work_folder import messages as of_work_folder
@@ -310,6 +312,42 @@ def test_what_is_fitted_is_no_hold_out_under_another_name(tmp_path: Path) -> Non
     for text in (problems, str(refused.value)):
         assert of_calibration.HOLDOUT_WAS_FITTED.is_in(text, test="heap")
         assert "other_heap" in text
+
+
+@pytest.mark.parametrize(
+    ("other", "is_new"),
+    [
+        ("value = 31.0, uncertainty = 0.4", True),
+        ("value = 30.0, uncertainty = 0.2", True),
+        ("value = 30.0, uncertainty = 0.4, weight = 2", False),
+        ("value = 30.0, uncertainty = 0.4, tolerance = 1", False),
+    ],
+)
+def test_another_measurement_of_a_fitted_response_may_be_held_out(
+    tmp_path: Path, other: str, is_new: bool
+) -> None:
+    test = FILE[FILE.index("[[test]]") :].replace('"heap"', '"other_heap"')
+    held_out = test.replace("[[test]]", "[[holdout]]")
+    path = files(tmp_path, held_out.replace("value = 30.0, uncertainty = 0.4", other))
+
+    problems = " ".join(describe_plan(gf.load(path)).problems)
+
+    assert of_calibration.HOLDOUT_WAS_FITTED.is_in(problems, test="heap") is not is_new
+
+
+def test_another_measurement_of_a_fitted_curve_may_be_held_out() -> None:
+    curve = gf.CurveTarget("stress", [0.01, 0.02, 0.03], [2e3, 5e3, 9e3], "2 %")
+    fitted = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [], curves=[curve])
+    solver = drum_solver(Drum())
+    hashes = {"cell": identity_of(solver.model())}
+
+    other = replace(curve, values=[2.1e3, 5e3, 9e3])
+    require_not_fitted(fitted, hashes, [gf.Holdout("other", solver, curves=[other])])
+
+    accepted = replace(curve, tolerance="9 %")
+    for same in (curve, gf.CurveTarget.from_json(accepted.to_json())):
+        with pytest.raises(gf.InputError):
+            require_not_fitted(fitted, hashes, [gf.Holdout("same", solver, curves=[same])])
 
 
 def test_another_response_of_a_fitted_test_may_be_held_out(tmp_path: Path) -> None:

@@ -13,14 +13,17 @@ import pytest
 from grainfit.bulk_tests.abilities import starter_remarks
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.registry import BUILT_IN
+from grainfit.calibration.holdout import require_holdouts
+from grainfit.calibration.readiness import obstacles
 from grainfit.calibration_file import messages as of_calibration_file
+from grainfit.calibration_file.build import load_calibration
 from grainfit.calibration_file.content import CalibrationFile, SearchOptions
 from grainfit.calibration_file.load import load_calibration_file
 from grainfit.calibration_file.starter import starter_file
 from grainfit.calibration_file.tests_section import layout_of_test
 from grainfit.campaign.cluster.options import ClusterOptions
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
-from grainfit.errors import InputError
+from grainfit.errors import GrainfitError, InputError, SolverNotFoundError
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.problem import Parameter, Target
 from grainfit.solvers.registry import types_of_test
@@ -104,11 +107,19 @@ def test_the_narrow_interval_is_the_only_difference_of_its_example() -> None:
     )
 
 
-def test_every_example_loads() -> None:
-    files = sorted(EXAMPLES.rglob("*.toml"))
-    assert files
-    for path in files:
-        load_calibration_file(path)
+@pytest.mark.parametrize(
+    "path", sorted(EXAMPLES.rglob("*.toml")), ids=lambda path: f"{path.parent.name}/{path.stem}"
+)
+def test_every_example_loads_and_is_not_refused(path: Path) -> None:
+    setup = load_calibration(path)
+    found = [one.error for one in obstacles(setup.problem, setup.solvers)]
+    for holdout in setup.holdouts:
+        try:
+            require_holdouts(setup.problem, setup.solvers, [holdout])
+        except GrainfitError as error:
+            found.append(error)
+    # Its program may be missing on this machine.
+    assert not [str(one) for one in found if not isinstance(one, SolverNotFoundError)]
 
 
 def test_units_sizes_scale_and_geometry(tmp_path: Path) -> None:

@@ -229,21 +229,23 @@ def require_holdouts(
         )
         holdout.model.check()
     require_not_fitted(
-        problem, {identity_of(one.model()): name for name, one in solvers.items()}, holdouts
+        problem, {name: identity_of(one.model()) for name, one in solvers.items()}, holdouts
     )
 
 
 def require_not_fitted(
     problem: Problem, fitted: Mapping[str, str], holdouts: Sequence[Holdout]
 ) -> None:
-    """Raise `InputError` for a hold-out whose responses were fitted in the same simulation.
+    """Raise `InputError` for a hold-out whose measured values were fitted in the same simulation.
+
+    Another measurement of a fitted response, of another sample or session, tells something new.
 
     Parameters
     ----------
     problem : Problem
         Free parameters and fitted targets.
     fitted : mapping of str to str
-        Names of the fitted tests by the hash of their model.
+        Hash of the model by name of the fitted test.
     holdouts : sequence of Holdout
         The hold-outs.
 
@@ -253,10 +255,12 @@ def require_not_fitted(
         The first one.
     """
     for holdout in holdouts:
-        test = fitted.get(identity_of(holdout.model.model()))
-        if test is not None and not holdout.needed.isdisjoint(problem.measured_in(test)):
-            fault = messages.HOLDOUT_WAS_FITTED.fault(f"holdout {holdout.name}", test=test)
-            raise InputError(fault)
+        model = identity_of(holdout.model.model())
+        for test in (test for test, other in fitted.items() if other == model):
+            known = problem.measured_in(test)
+            if any(one.measures_same(known.get(one.name)) for one in holdout.measured):
+                fault = messages.HOLDOUT_WAS_FITTED.fault(f"holdout {holdout.name}", test=test)
+                raise InputError(fault)
 
 
 def _faults(problem: Problem, holdout: Holdout) -> Iterator[Fault]:

@@ -75,7 +75,8 @@ HOLDOUT_OF_SAME_NAME = Message(
 )
 HOLDOUT_WAS_FITTED = Message(
     "is the simulation of the fitted test {test}, and its measured values are fitted there.",
-    "Name a test that takes no part in the fit, or other responses of this one.",
+    "Name a test that takes no part in the fit, other responses of this one, or their values in "
+    "another measurement.",
 )
 HOLDOUT_WITHOUT_RESPONSE = Message("yields no {name}.", "There are: {responses}.")
 HOLDOUTS_UNREADABLE = Message("{path!r} cannot be read: {why}.")

@@ -283,6 +283,20 @@ class CurveTarget:
         texts = ("name", "unit", "coordinate_unit", "coordinate")
         return {**{key: getattr(self, key) for key in texts}, **data}
 
+    def measures_same(self, other: object) -> bool:
+        """Return True if another curve is the same measurement: its points and errors are.
+
+        Parameters
+        ----------
+        other : object
+            The other curve; anything else was measured in another way.
+        """
+        if not isinstance(other, CurveTarget):
+            return False
+        mine, its = self.to_json(), other.to_json()
+        keys = {"coordinates", "values", "covariance", *(_SAVED.get(key, key) for key in _ERRORS)}
+        return all(mine.get(key) == its.get(key) for key in keys)
+
     def covariance_about(self, values: ArrayLike) -> Array:
         """Return the covariance of the errors if the true values are these, shape (n, n).
 

@@ -330,16 +330,17 @@ class Problem:
         own = [target for target in self.targets if self._is_of(target.name, test)]
         return {target.name.removeprefix(f"{test}."): target for target in own}
 
-    def measured_in(self, test: str) -> set[str]:
-        """Return the names in it of all responses of a test that are measured, curves included.
+    def measured_in(self, test: str) -> dict[str, Target | CurveTarget]:
+        """Return all that was measured in a test by name of the response in it, curves included.
 
         Parameters
         ----------
         test : str
             Name of the test.
         """
-        own = (name for name in self.responses if self._is_of(name, test))
-        return {name.removeprefix(f"{test}.") for name in own}
+        own = [curve for curve in self.curves if self._is_of(curve.name, test)]
+        curves = {curve.name.removeprefix(f"{test}."): curve for curve in own}
+        return {**self.targets_of(test), **curves}
 
     def _is_of(self, response: str, test: str) -> bool:
         return not self.tests or self.scope_of(response).name == test

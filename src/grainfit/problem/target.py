@@ -172,6 +172,18 @@ class Target:
             del data["statistic"]
         return {**data, "tolerance": None} if self.tolerance == self._usual_tolerance else data
 
+    def measures_same(self, other: object) -> bool:
+        """Return True if another target is the same measurement: its value and uncertainty are.
+
+        Parameters
+        ----------
+        other : object
+            The other target; anything else was measured in another way.
+        """
+        if not isinstance(other, Target):
+            return False
+        return (self.value, self.uncertainty) == (other.value, other.uncertainty)
+
     @property
     def is_relative(self) -> bool:
         """Whether deviations relative to the value make sense.

@@ -146,7 +146,7 @@ def predict(
         asked = _Asked(material, tuple(setup.outside(settings)))
     else:
         asked = _asked_of_calibration(setup, saved, settings)
-        fitted = {one.definition.model_hash: one.test for one in saved.records.values()}
+        fitted = {one.test: one.definition.model_hash for one in saved.records.values()}
         require_not_fitted(saved.problem, fitted, holdouts)
     material = asked.material
     require_holdouts(material.problem, {}, holdouts)
