@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 
 import grainfit as gf
 from grainfit.analysis.prediction import HoldoutEvaluations, predict_response
+from grainfit.calibration import live_file
 from grainfit.calibration import messages as of_calibration
 from grainfit.calibration.holdout import require_not_fitted
 from grainfit.calibration.registrations import HOLDOUTS_NAME, hash_of_targets
@@ -33,6 +34,8 @@ from grainfit.run_definition import identity_of
 from grainfit.verdict import messages
 from grainfit.verdict.options import HOLDOUT
 from grainfit.work_folder import messages as of_work_folder
+from grainfit.work_folder.saved_calibration import SavedCalibration
+from grainfit.work_folder.status import WorkdirStatus, read_status
 
 RUNS = HOLDOUT.answer_seeds + HOLDOUT.posterior_draws + HOLDOUT.prior_draws
 #: Friction of the material, and what it gives in the test that is not fitted.
@@ -235,6 +238,34 @@ def test_stopped_in_a_hold_out_the_verdict_is_kept_and_no_run_repeated(tmp_path:
     assert done.parameters == stopped.parameters
 
 
+def test_a_calibration_runs_while_hold_outs_are_simulated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_file, "_INTERVAL_SECONDS", 0.0)
+    seen: list[tuple[WorkdirStatus, SavedCalibration]] = []
+
+    def look(progress: gf.Progress) -> None:
+        if progress.stage == "hold-out":
+            seen.append((read_status(tmp_path), gf.open(tmp_path)))
+
+    drums = [held("drum", FLOW, 0.2), held("other", FLOW, 0.3)]
+    gf.calibrate(problem(), heap, workdir=tmp_path, holdouts=drums, on_progress=look)
+
+    assert {status.state for status, _ in seen} == {"running"}
+    asked = {(now.finished["hold-out"], now.asked["hold-out"]) for now, _ in seen}
+    assert {of for _, of in asked} == {2 * RUNS}
+    # Both are simulated alike, so that runs of the first are those of the second.
+    assert {0, 1, RUNS, 2 * RUNS} <= {done for done, _ in asked}
+    assert max(status.running for status, _ in seen) == 1
+    status, saved = seen[-1]
+    # The answer can be used meanwhile.
+    assert (saved.in_holdouts, saved.state, bool(saved.result)) == (True, "calibrated", True)
+    assert status.result is not None
+    ended = read_status(tmp_path)
+    assert (ended.state, ended.running, ended.asked["hold-out"]) == ("calibrated", 0, 2 * RUNS)
+    assert not gf.open(tmp_path).in_holdouts
+
+
 def test_killed_in_a_hold_out_nothing_finished_is_lost(tmp_path: Path) -> None:
     path = files(tmp_path)
     head = "def drum(parameters, seed):\n"
@@ -263,6 +294,7 @@ def test_killed_in_a_hold_out_nothing_finished_is_lost(tmp_path: Path) -> None:
     process.wait()
     kept = gf.Result.from_json(tmp_path / "sand.grainfit/result.json")
     assert (kept.status, kept.holdouts[0].state) == ("calibrated", "pending")
+    assert read_status(tmp_path / "sand.grainfit").state == "calibrated"
     assert messages.HOLDOUT_PENDING.is_in(str(kept))
     (tmp_path / "slow").unlink()
     result = gf.load(path).calibrate(tmp_path / "sand.grainfit")

@@ -20,6 +20,7 @@ import grainfit as gf
 from benchmarks import campaigns
 from grainfit.atlas import messages as atlas_messages
 from grainfit.bulk_tests.parameter_names import ROLLING
+from grainfit.calibration import live_file
 from grainfit.calibration.live_file import LIVE_NAME
 from grainfit.calibration.so_far import result_so_far
 from grainfit.campaign.folder_lock import hold, is_held
@@ -27,6 +28,7 @@ from grainfit.report import verdict_messages
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.own_model.python_callable import PythonCallable
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
+from grainfit.verdict.options import HOLDOUT
 from grainfit.watch import follower, messages
 from grainfit.watch.state import read_folder, state_of
 from grainfit.watch.stopping import CannotStopError, stop_calibration, why_not_to_be_stopped
@@ -116,6 +118,41 @@ def test_a_finished_calibration_shows_its_verdict_and_intervals(tmp_path: Path) 
     assert found["runs"] == []
     assert not found["stop"]["possible"]
     assert not (tmp_path / LIVE_NAME).exists()
+
+
+def test_hold_outs_are_simulated_before_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_file, "_INTERVAL_SECONDS", 0.0)
+    seen: list[dict[str, Any]] = []
+
+    def look(progress: gf.Progress) -> None:
+        if progress.stage == "hold-out":
+            seen.append(state(tmp_path))
+
+    problem = gf.Problem([gf.Parameter("friction", 0.1, 0.9)], [gf.Target("angle", 30.0)])
+    gf.calibrate(
+        problem,
+        lambda p: {"angle": 60 * p["friction"]},
+        workdir=tmp_path,
+        holdouts=[gf.Holdout("drum", lambda p: {"flow": p["friction"]})],
+        on_progress=look,
+    )
+
+    assert {found["state"] for found in seen} == {"running"}
+    lines = {found["verdict"]["line"] for found in seen}
+    assert lines == {verdict_messages.HOLDOUTS_UNDER_WAY()}
+    # The first time before the verdict was kept.
+    assert not any(found["provisional"] or found["report"] for found in seen[1:])
+    assert all(found["stop"]["possible"] for found in seen)
+    assert "Hold-outs" in seen[0]["progress"]["stage"]
+    done = [found["progress"]["done"] for found in seen]
+    assert done[-1] == done[0] + HOLDOUT.sets
+    rows = [row for found in seen for row in found["runs"]]
+    assert {(row["test"], row["stage"]) for row in rows} == {("drum", "hold-out")}
+    ended = state(tmp_path)
+    assert (ended["state"], ended["progress"]["done"]) == ("calibrated", done[-1])
+    assert not ended["stop"]["possible"]
 
 
 def test_a_result_that_is_not_written_yet_is_not_missing(tmp_path: Path) -> None:

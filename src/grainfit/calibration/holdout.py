@@ -110,6 +110,11 @@ class Holdout(OneLine):
         return PythonCallable(self.solver)
 
     @property
+    def runs(self) -> int:
+        """Runs that its prediction takes."""
+        return HOLDOUT.sets * self.repeats
+
+    @property
     def measured(self) -> tuple[Target | CurveTarget, ...]:
         """All that was measured, numbers first."""
         return (*self.targets, *self.curves)

@@ -5,9 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
-from grainfit.calibration.holdout import Holdout, HoldoutProgress, Material, predict_holdout
+from grainfit.calibration.holdout import (
+    Holdout,
+    HoldoutProgress,
+    Material,
+    predict_holdout,
+)
 from grainfit.calibration.loop import LoopOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.registrations import HoldoutFile
@@ -19,11 +25,8 @@ from grainfit.campaign.store.store import RunStore
 from grainfit.errors import RunFailedError
 from grainfit.problem import Problem
 from grainfit.result import HoldoutResult, Result
-from grainfit.result.holdout import HoldoutState
+from grainfit.result.holdout import HOLDOUT_STAGE, HoldoutState
 from grainfit.solvers.base import Solver
-
-#: Stage of the progress.
-STAGE = "hold-out"
 
 
 class HoldoutsAfter:
@@ -66,6 +69,7 @@ class HoldoutsAfter:
         self._options = options
         self._making = making
         self._shared = shared
+        self._identity = ""
         if not holdouts:
             return
         self._file = HoldoutFile(folder)
@@ -105,28 +109,38 @@ class HoldoutsAfter:
             return keep(self._all(result, "pending"))
         if result.status != "calibrated":
             return keep(self._all(result, "not calibrated"))
-        kept = keep(self._all(result, "pending"))
-        found = list(kept.holdouts)
+        self._identity = result.identity
+        pending = self._all(result, "pending")
+        found = list(pending.holdouts)
         try:
-            material = material_of(result)
+            # A watch does not take what is kept now for the end.
+            self._show(())
+            keep(pending)
+            self._predict(result, material_of(result), found, keep)
         except RunFailedError as error:
-            failed = [replace(one, state="failed", why=str(error)) for one in found]
-            return keep(replace(result, holdouts=tuple(failed)))
-        try:
-            for place, holdout in enumerate(self._holdouts):
-                found[place] = predict_holdout(
-                    holdout,
-                    material,
-                    self._file,
-                    self._make,
-                    self._show,
-                    self._registrations[holdout.name],
-                )
-                kept = keep(replace(result, holdouts=tuple(found)))
+            found = _ended(found, "failed", str(error))
         except KeyboardInterrupt:
-            stopped = [_interrupted(one) for one in found]
-            return keep(replace(result, holdouts=tuple(stopped)))
-        return kept
+            found = _ended(found, "interrupted")
+        return keep(replace(result, holdouts=tuple(found)))
+
+    def _predict(
+        self,
+        result: Result,
+        material: Material,
+        found: list[HoldoutResult],
+        keep: Callable[[Result], Result],
+    ) -> None:
+        """Predict each hold-out in place of what is known of it, and keep it."""
+        for place, holdout in enumerate(self._holdouts):
+            found[place] = predict_holdout(
+                holdout,
+                material,
+                self._file,
+                self._make,
+                partial(self._show, found[:place]),
+                self._registrations[holdout.name],
+            )
+            keep(replace(result, holdouts=tuple(found)))
 
     def _all(self, result: Result, state: HoldoutState) -> Result:
         found = (
@@ -135,30 +149,46 @@ class HoldoutsAfter:
         )
         return replace(result, holdouts=tuple(found))
 
-    def _show(self, progress: HoldoutProgress) -> None:
-        show = self._options.on_progress
-        if show is None:
+    def _show(self, ended: Sequence[HoldoutResult], now: HoldoutProgress | None = None) -> None:
+        """Show the progress to the user and to a watch: hold-outs that have ended, and the next."""
+        show, live_file = self._options.on_progress, self._options.live_file
+        is_due = live_file is not None and (now is None or live_file.is_due)
+        if show is None and not is_due:
             return
-        left = progress.of - progress.done
-        campaign = progress.campaign
-        show(
-            Progress(
-                STAGE,
-                progress.done,
-                campaign.running,
-                progress.failed,
-                RunsToCome(left, left, left),
-                None,
-                None,
-                campaign.notices,
-                pending=campaign.pending_runs,
-                jobs=campaign.jobs,
-            )
+        progress = self._progress(ended, now)
+        if live_file is not None and is_due:
+            live_file.update(self._identity, progress)
+        if show is not None:
+            show(progress)
+
+    def _progress(self, ended: Sequence[HoldoutResult], now: HoldoutProgress | None) -> Progress:
+        done, failed = sum(one.runs for one in ended), sum(one.failed for one in ended)
+        later = self._holdouts[len(ended) :]
+        if now is None:
+            left = sum(one.runs for one in later)
+            to_come = RunsToCome(left, left, left)
+            return Progress(HOLDOUT_STAGE, done, 0, failed, to_come, None, None, ())
+        left = now.of - now.done + sum(one.runs for one in later[1:])
+        campaign = now.campaign
+        return Progress(
+            HOLDOUT_STAGE,
+            done + now.done,
+            campaign.running,
+            failed + now.failed,
+            RunsToCome(left, left, left),
+            None,
+            None,
+            campaign.notices,
+            pending=campaign.pending_runs,
+            jobs=campaign.jobs,
         )
 
 
-def _interrupted(found: HoldoutResult) -> HoldoutResult:
-    return replace(found, state="interrupted") if found.state == "pending" else found
+def _ended(
+    found: Sequence[HoldoutResult], state: HoldoutState, why: str = ""
+) -> list[HoldoutResult]:
+    """Return hold-outs of which those that were not reached have another state."""
+    return [replace(one, state=state, why=why) if one.state == "pending" else one for one in found]
 
 
 def options_of_holdout(

@@ -22,6 +22,7 @@ from grainfit.campaign.pending import ClusterJob, PendingRun
 from grainfit.campaign.store.store import UNUSABLE
 from grainfit.files import read_within, write_atomically
 from grainfit.plain_data import parse_json, read_plain
+from grainfit.result.holdout import HOLDOUT_STAGE
 
 LIVE_NAME = "live.json"
 _INTERVAL_SECONDS = 1.0
@@ -35,7 +36,7 @@ class LiveState:
     Parameters
     ----------
     stage : str
-        ``design``, ``optimisation`` or ``verification``.
+        ``design``, ``optimisation``, ``verification`` or ``hold-out``.
     done, failed : int
         Finished and failed runs.
     left : pair of int
@@ -161,3 +162,15 @@ def read_live_state(folder: Path, calibration: str) -> LiveState | None:
         return state
     except (OSError, *UNUSABLE):
         return None
+
+
+def read_live_holdouts(folder: Path, calibration: str) -> LiveState | None:
+    """Read the live state of the hold-outs of a calibration that has ended.
+
+    Returns
+    -------
+    LiveState or None
+        None unless its process simulates them now.
+    """
+    live = read_live_state(folder, calibration)
+    return live if live is not None and live.stage == HOLDOUT_STAGE else None

@@ -286,14 +286,12 @@ def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None
 
 def holdout_line(holdout: Holdout, problem: Problem, workers: int) -> str:
     """Return what will be simulated of a hold-out after the verdict."""
-    sets = HOLDOUT.answer_seeds + HOLDOUT.posterior_draws + HOLDOUT.prior_draws
-    runs = sets * holdout.repeats
     cost = holdout.model.estimate_cost(problem.middle)
-    time = "" if cost is None else f", about {duration(runs * cost.wall_seconds / workers)}"
+    time = "" if cost is None else f", about {duration(holdout.runs * cost.wall_seconds / workers)}"
     known = messages.HOLDOUT_MEASURED if holdout.measured else messages.HOLDOUT_UNMEASURED
     return messages.HOLDOUT_LINE(
         test=holdout.name,
-        runs=counted(runs, "run"),
+        runs=counted(holdout.runs, "run"),
         at_answer=HOLDOUT.answer_seeds * holdout.repeats,
         time=time,
         measured=known(),

@@ -31,6 +31,11 @@ NOTHING_THERE = Message("Nothing has been calibrated here yet.")
 UNREADABLE = Message("The work folder cannot be read.")
 LAST_RUN_ENDED = Message("The last run has ended.")
 WRITING_RESULT = Message("Its result is computed and written: this takes some seconds.")
+HOLDOUTS_UNDER_WAY = Message("Calibrated. Tests that were not fitted are being simulated.")
+VERDICT_STAYS = Message(
+    "Whether they are predicted is said when their runs have ended. The verdict on the fitted "
+    "tests stays, also if they are stopped."
+)
 FIRST_RUNS = Message("Running.")
 TOO_FEW_RUNS = Message("A first verdict follows when there are enough runs for metamodels.")
 SO_FAR = Message("Running. So far, every target is met with a probability of {probability}.")

@@ -23,6 +23,8 @@ from grainfit.verdict.holdout import HoldoutVerdict
 
 #: ``pending`` before the first run and after a process that died; ``failed`` without enough runs.
 HoldoutState = Literal["simulated", "pending", "interrupted", "not calibrated", "failed"]
+#: Stage in which hold-outs are simulated: the calibration has its verdict.
+HOLDOUT_STAGE = "hold-out"
 #: What the interval of a prediction rests on, see `HoldoutResult`.
 Basis = Literal["posterior", "intervals", "values"]
 

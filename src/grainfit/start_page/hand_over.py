@@ -42,7 +42,7 @@ class Outcome:
 def outcome(folder: Path, file: Path) -> Outcome:
     """Read what came of a calibration file; nothing where the work folder cannot be read."""
     with suppress(StoreError), open_folder(folder) as opened:
-        if opened.calibration is None or opened.state == "running":
+        if opened.calibration is None or opened.is_at_work:
             return Outcome()
         result, _ = opened.read_result()
         offers = {SHEET: _SHEET_TITLE, **FORMAT_TITLES} if result and result.parameters else {}

@@ -99,5 +99,10 @@ class HoldoutOptions:
     confidence: float = 0.95
     narrow: float = 0.5
 
+    @property
+    def sets(self) -> int:
+        """Number of simulated parameter sets, the answer once for each of its seeds."""
+        return self.answer_seeds + self.posterior_draws + self.prior_draws
+
 
 HOLDOUT = HoldoutOptions()

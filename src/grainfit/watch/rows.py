@@ -23,6 +23,7 @@ from grainfit.plots.labels import label_of_parameter, label_of_response
 from grainfit.problem import Parameter, Target
 from grainfit.report.rows import ResponseRow, curve_row, parameter_row, response_row
 from grainfit.result import Result
+from grainfit.result.holdout import HOLDOUT_STAGE
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 #: Most rows that are shown of a kind.
@@ -116,6 +117,9 @@ def run_rows(
     rows = [
         _run_row(run, asked.get(run.identity), begun, usual, saved.units) for run in live.pending
     ]
+    if live.stage == HOLDOUT_STAGE:
+        # The store has requests of the fitted tests alone.
+        rows = [row | {"stage": live.stage} for row in rows]
     counts = {state: sum(row["state"] == state for row in rows) for state in _RUN_STATES}
     rows.sort(key=lambda row: _RUN_STATES.index(row["state"]))
     return rows[:MOST_ROWS], counts

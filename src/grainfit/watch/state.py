@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from grainfit.analysis.analysis import Analysis
-from grainfit.calibration.live_file import LiveState, read_live_state
+from grainfit.calibration.live_file import LiveState, read_live_holdouts, read_live_state
 from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import STORE_NAME
@@ -21,6 +21,7 @@ from grainfit.report.page import REPORT_NAME
 from grainfit.report.section import ReportContext
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result
+from grainfit.result.holdout import HOLDOUT_STAGE
 from grainfit.verdict.messages import state_name
 from grainfit.verdict.reasons import Deterministic
 from grainfit.watch.messages import NOT_IN_USE
@@ -41,6 +42,7 @@ _STAGES = {
     "design": "Design: first runs all over the intervals",
     "optimisation": "Search: every run where it improves the answer most",
     "verification": "Verification: fresh seeds at the answer",
+    HOLDOUT_STAGE: "Hold-outs: tests that were not fitted, at the answer and about it",
 }
 
 
@@ -56,7 +58,8 @@ class Reading:
     folder : Path
         The work folder.
     saved : SavedCalibration or None
-        The calibration; None if there is none yet.
+        The calibration; None if there is none yet. Its state is ``running`` also while hold-outs
+        are simulated, and it has its result then.
     requests : sequence of RequestRecord
         The parameter sets that it asked for.
     failed : sequence of RunRecord
@@ -107,6 +110,8 @@ def read_folder(folder: Path, *, is_alive_elsewhere: bool = False) -> Reading:
         return Reading(folder, fault=str(error))
     if is_alive_elsewhere and saved.state == "interrupted":
         saved = replace(saved, state="running", result=None)
+    elif saved.in_holdouts or (is_alive_elsewhere and read_live_holdouts(folder, saved.identity)):
+        saved = replace(saved, state="running", in_holdouts=True)
     is_running = saved.state == "running"
     live = read_live_state(folder, saved.identity) if is_running else None
     why = why_not_to_be_stopped(folder) if is_running else ""
@@ -146,7 +151,7 @@ def state_of(
         "parameters": parameter_rows(saved, result),
         "provisional": result is not None and result is not saved.result,
         **_of_live(reading),
-        "several": several_tests(reading.requests),
+        "several": several_tests(reading.requests) or saved.in_holdouts,
         "notices": [in_words(saved, notice) for notice in _notices(reading)],
         "stop": _stop(reading),
         "report": _has_report(reading),
@@ -182,6 +187,8 @@ def _without_calibration(reading: Reading) -> dict[str, Any]:
 
 def _verdict(reading: Reading, so_far: Result | None, estimate: Sequence[str]) -> dict[str, Any]:
     assert reading.saved is not None, "there is a calibration"
+    if reading.saved.in_holdouts:
+        return _in_progress(messages.HOLDOUTS_UNDER_WAY(), [messages.VERDICT_STAYS()])
     if reading.is_running:
         return _verdict_so_far(so_far, estimate)
     if reading.is_held and reading.saved.result is None and reading.saved.state != "failed":
@@ -219,11 +226,18 @@ def _progress(reading: Reading, failed: int) -> dict[str, Any] | None:
     saved, live = reading.saved, reading.live
     assert saved is not None, "there is a calibration"
     ended = sum(len(evaluation.runs) for evaluation in saved.evaluations)
-    known = {"done": ended, "failed": failed, "workers": saved.workers}
+    holdouts = saved.result.holdouts if saved.result and not saved.in_holdouts else ()
+    done = ended + sum(one.runs for one in holdouts)
+    failed += sum(one.failed for one in holdouts)
+    known = {"done": done, "failed": failed, "workers": saved.workers}
     if live is None:
         return known | {"stage": "", "left": None, "seconds_left": None, "estimated": None}
+    if live.stage == HOLDOUT_STAGE:
+        # Its process counts those of this stage.
+        known |= {"done": ended + live.done, "failed": failed + live.failed}
+    else:
+        known |= {"done": max(ended, live.done)}
     return known | {
-        "done": max(ended, live.done),
         "stage": _STAGES.get(live.stage, plain(live.stage)),
         "left": list(live.left),
         "seconds_left": None if live.seconds_left is None else list(live.seconds_left),

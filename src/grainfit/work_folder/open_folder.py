@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 from grainfit.campaign.folder_lock import is_held
 from grainfit.campaign.pending import executing
@@ -20,6 +20,9 @@ from grainfit.errors import GrainfitError, StoreError
 from grainfit.result import Result
 from grainfit.verdict.rule import Status
 from grainfit.work_folder import messages
+
+if TYPE_CHECKING:
+    from grainfit.calibration.live_file import LiveState
 
 _STATES = ("not started", "running", "failed", *get_args(Status))
 
@@ -40,6 +43,8 @@ class OpenFolder:
         The parameter sets that it asked for.
     is_held : bool
         Whether a process is at work in the folder.
+    holdouts : LiveState, optional
+        State of the hold-outs that are simulated after the verdict; None unless they are.
     """
 
     folder: Path
@@ -47,6 +52,12 @@ class OpenFolder:
     calibration: CalibrationRecord | None
     requests: Sequence[RequestRecord]
     is_held: bool
+    holdouts: LiveState | None = None
+
+    @property
+    def is_at_work(self) -> bool:
+        """Whether the calibration runs, or its hold-outs are simulated after the verdict."""
+        return self.state == "running" or self.holdouts is not None
 
     @property
     def state(self) -> str:
@@ -76,6 +87,8 @@ class OpenFolder:
         A run is stored before a worker begins with it: those beyond the workers wait.
         """
         under_way = self.under_way(statuses)
+        if self.holdouts is not None:
+            return executing(under_way, self.workers, self.holdouts.jobs)
         if self.calibration is None or not under_way:
             return under_way
         # Imported here: the status of a calibration that does not run needs no NumPy.
@@ -86,6 +99,9 @@ class OpenFolder:
 
     def under_way(self, statuses: Iterable[str]) -> int:
         """Return how many of the runs with these statuses execute, or wait for a worker."""
+        if self.holdouts is not None:
+            # No parameter set of the search is asked for: its process alone knows its runs.
+            return sum(run.state == "submitted" for run in self.holdouts.pending)
         return list(statuses).count("running") if self.state == "running" else 0
 
     def cut_off(self) -> list[tuple[str, Mapping[str, float]]]:
@@ -157,6 +173,15 @@ class OpenFolder:
         raise StoreError(messages.NO_RESULT(folder=str(self.folder), state=self.state))
 
 
+def _live_holdouts(folder: Path, calibration: CalibrationRecord | None) -> LiveState | None:
+    if calibration is None or calibration.status == "running":
+        return None
+    # Imported here: the status of a calibration that does not run needs no NumPy.
+    from grainfit.calibration.live_file import read_live_holdouts
+
+    return read_live_holdouts(folder, calibration.identity)
+
+
 @contextmanager
 def open_folder(folder: Path) -> Iterator[OpenFolder]:
     """Open a work folder without changing it or disturbing a running calibration.
@@ -171,7 +196,9 @@ def open_folder(folder: Path) -> Iterator[OpenFolder]:
     with closing(RunStore.read_only(folder)) as store:
         calibration = store.latest_calibration()
         requests = store.requests(calibration.identity) if calibration else []
-        opened = OpenFolder(folder, store, calibration, requests, is_held(folder))
+        held = is_held(folder)
+        holdouts = _live_holdouts(folder, calibration) if held else None
+        opened = OpenFolder(folder, store, calibration, requests, held, holdouts)
         if calibration is not None and opened.state not in _STATES:
             shown = f"status is {opened.state!r:.60}"
             raise store.damaged(f"table calibrations, row {calibration.identity}: {shown}")

@@ -93,6 +93,8 @@ class SavedCalibration:
         Options of the tests that the calibration file gives, as far as that is known.
     contact_models : tuple of str
         Contact models that replace the usual ones, the same in all tests.
+    in_holdouts : bool
+        Whether its hold-outs are simulated: it has its verdict, and its process is at work.
     """
 
     folder: Path
@@ -122,6 +124,7 @@ class SavedCalibration:
     sizes: ParticleSizes | None = None
     options: Mapping[str, Sequence[str]] = field(default_factory=dict)
     contact_models: tuple[str, ...] = ()
+    in_holdouts: bool = False
 
     @classmethod
     def of(cls, source: str | Path | SavedCalibration) -> SavedCalibration:
@@ -362,6 +365,7 @@ def _saved(
         sizes=provenance.sizes,
         options=provenance.options,
         contact_models=_contact_models(records.values(), provenance.contact_models),
+        in_holdouts=opened.holdouts is not None,
     )
 
 

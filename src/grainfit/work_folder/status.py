@@ -6,11 +6,16 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from grainfit.campaign.absent_responses import failed_if_incomplete
 from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.result import Result
+from grainfit.result.holdout import HOLDOUT_STAGE
 from grainfit.work_folder.open_folder import open_folder
+
+if TYPE_CHECKING:
+    from grainfit.calibration.live_file import LiveState
 
 
 @dataclass(frozen=True)
@@ -31,9 +36,10 @@ class WorkdirStatus:
     name : str
         Name of the calibration that was started last; empty when there is none.
     state : str
-        ``running``, or how it ended; ``interrupted`` also when its process died.
+        ``running``, also while hold-outs are simulated, or how it ended; ``interrupted`` also when
+        its process died.
     finished, asked : mapping of str to int
-        Number of DEM runs by stage.
+        Number of DEM runs by stage, hold-outs included.
     running : int
         Runs that execute.
     failed : tuple of FailedRun
@@ -80,11 +86,12 @@ def read_status(folder: Path) -> WorkdirStatus:
         failed += failed_if_incomplete(incomplete, requests, calibration.definition).values()
     result, fault = opened.read_result()
     running = opened.running(states.values())
+    asked, ended = _of_holdouts(opened.holdouts, result)
     return WorkdirStatus(
         name=calibration.name if calibration else "",
-        state=opened.state,
-        finished=_by_stage(requests, states, ("finished", "failed")),
-        asked=_by_stage(requests, None, ()),
+        state="running" if opened.is_at_work else opened.state,
+        finished={**_by_stage(requests, states, ("finished", "failed")), **ended},
+        asked={**_by_stage(requests, None, ()), **asked},
         running=running,
         failed=tuple(_failures(folder, requests, failed)),
         kept=sum(state == "finished" for state in states.values()),
@@ -93,6 +100,15 @@ def read_status(folder: Path) -> WorkdirStatus:
         failure=opened.failure,
         waiting=opened.under_way(states.values()) - running,
     )
+
+
+def _of_holdouts(
+    live: LiveState | None, result: Result | None
+) -> tuple[Mapping[str, int], Mapping[str, int]]:
+    """Return how many runs of hold-outs were asked for, and have ended, by stage."""
+    done = live.done if live else sum(one.runs for one in result.holdouts) if result else 0
+    left = live.left[1] if live else 0
+    return ({HOLDOUT_STAGE: done + left}, {HOLDOUT_STAGE: done}) if done + left else ({}, {})
 
 
 def _by_stage(
