@@ -30,9 +30,13 @@ from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.report.section import ReportContext
 from grainfit.report.sections.holdout.section import holdout as section
+from grainfit.report.verdict import shown_verdict
+from grainfit.result import HoldoutResult
+from grainfit.result.holdout import HoldoutState, holdouts_in_short
 from grainfit.run_definition import identity_of
 from grainfit.verdict import messages
 from grainfit.verdict.options import HOLDOUT
+from grainfit.watch.state import read_folder, state_of
 from grainfit.work_folder import messages as of_work_folder
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.status import WorkdirStatus, read_status
@@ -182,6 +186,42 @@ def test_report_card_and_figure_show_hold_outs(predicted: tuple[gf.Result, Path]
     assert len(gf.plots.holdout(saved).data) >= 4 * 5
     assert any(messages.HOLDOUT_REFUTED.is_in(notice) for notice in saved.card().notices)
     assert section(ReportContext(replace(saved, result=None), saved.analyse())) is None
+
+
+def test_report_and_watch_say_how_hold_outs_ended(predicted: tuple[gf.Result, Path]) -> None:
+    result, folder = predicted
+    saved = gf.open(folder)
+    shown = shown_verdict(ReportContext(saved, saved.analyse()))
+    watched = state_of(read_folder(folder), None)["verdict"]
+
+    words = messages.HOLDOUT_WORDS
+    found = "; ".join(
+        f"{test}.flow {words[verdict]}"
+        for test, verdict in (
+            ("wrong", "does not predict"),
+            ("blurred", "does not tell"),
+            ("right", "predicts"),
+        )
+    )
+    # As in the sentences that the terminal prints.
+    for one in result.holdouts[:3]:
+        assert f", {words[one.responses['flow'].verdict]}:" in str(one)
+    assert shown.details[0] == messages.HOLDOUTS_IN_SHORT(found=found)
+    assert watched["details"] == list(shown.details)
+    # A refuted prediction is not simply good.
+    assert watched["grade"] == shown.grade == "warn"
+    kept = replace(result, holdouts=result.holdouts[:1])
+    fine = shown_verdict(ReportContext(replace(saved, result=kept), saved.analyse()))
+    assert fine.grade == "good"
+
+
+def test_hold_outs_without_a_prediction_are_told_in_short() -> None:
+    names: list[HoldoutState] = ["failed", "interrupted", "pending", "not calibrated"]
+    said = holdouts_in_short([HoldoutResult(f"drum {name}", name) for name in names])
+
+    assert all(f"drum {name}: {messages.HOLDOUT_STATES[name]}" in said for name in names[:3])
+    assert "not calibrated" not in said
+    assert holdouts_in_short([HoldoutResult("drum", "not calibrated")]) == ""
 
 
 def test_targets_are_registered_before_the_first_run(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from grainfit.formatting import (
@@ -19,6 +19,7 @@ from grainfit.report import verdict_messages as messages
 from grainfit.report.rows import deviation
 from grainfit.report.section import ReportContext
 from grainfit.result import ResponseResult, Result
+from grainfit.result.holdout import holdouts_in_short
 from grainfit.verdict.messages import state_name
 from grainfit.verdict.reasons import Deterministic, FullSizeMade
 
@@ -61,7 +62,17 @@ def shown_verdict(context: ReportContext) -> ShownVerdict:
         words = plain(reading.result_fault) or messages.RESULT_MISSING()
         unread = messages.NO_ANSWER(state=plain(state_name(reading.state)))
         return ShownVerdict("warn", unread, (words,))
-    return _final_verdict(context)
+    return _with_holdouts(_final_verdict(context), context.reading.result)
+
+
+def _with_holdouts(found: ShownVerdict, result: Result | None) -> ShownVerdict:
+    """Return a verdict with how hold-outs ended: what they refute is not simply good."""
+    holdouts = result.holdouts if result else ()
+    if not (words := holdouts_in_short(holdouts)):
+        return found
+    is_refuted = any(one.is_refuted for one in holdouts)
+    grade = "warn" if found.grade == "good" and is_refuted else found.grade
+    return replace(found, grade=grade, details=(plain(words), *found.details))
 
 
 def _final_verdict(context: ReportContext) -> ShownVerdict:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -247,6 +247,11 @@ class HoldoutResult(OneLine):
         """All that was predicted, numbers first."""
         return {**self.responses, **self.curves}
 
+    @property
+    def is_refuted(self) -> bool:
+        """Whether a measured value or curve is not predicted."""
+        return any(found.verdict == "does not predict" for found in self.predictions.values())
+
     def sentences(self) -> Iterator[str]:
         """Yield what is to be said of it, each prediction first."""
         match self.state:
@@ -276,3 +281,24 @@ class HoldoutResult(OneLine):
 
     def __str__(self) -> str:
         return " ".join(self.sentences())
+
+
+def holdouts_in_short(holdouts: Sequence[HoldoutResult]) -> str:
+    """Return in one sentence how hold-outs ended, what is not predicted first; "" if none did.
+
+    Parameters
+    ----------
+    holdouts : sequence of HoldoutResult
+        The hold-outs. Those that are compared with nothing, or were not to be simulated, are left
+        out.
+    """
+    verdicts = [
+        (f"{one.test}.{name}", found.verdict)
+        for one in holdouts
+        for name, found in one.predictions.items()
+    ]
+    words = messages.HOLDOUT_WORDS.items()
+    found = [f"{name} {said}" for key, said in words for name, own in verdicts if own == key]
+    states = messages.HOLDOUT_STATES
+    found += [f"{one.test}: {states[one.state]}" for one in holdouts if one.state in states]
+    return messages.HOLDOUTS_IN_SHORT(found="; ".join(found)) if found else ""

@@ -1,6 +1,9 @@
 """Messages of the verdict: what it is, and the reasons for it."""
 
+from collections.abc import Mapping
+
 from grainfit.messages import Message
+from grainfit.verdict.holdout import HoldoutVerdict
 
 #: Names of the ends of a calibration for people.
 END_NAMES = {
@@ -201,54 +204,70 @@ NO_BOUND_BEYOND = Message(
 )
 
 # Hold-outs: tests that take no part in the fit.
+#: What is said of a prediction, in its own sentences and in the one about all.
+HOLDOUT_WORDS: Mapping[HoldoutVerdict, str] = {
+    "does not predict": "is not predicted",
+    "does not tell": "tells nothing",
+    "predicts": "is predicted",
+}
+#: What is said of a hold-out without a prediction.
+HOLDOUT_STATES = {
+    "failed": "no prediction",
+    "interrupted": "interrupted",
+    "pending": "not simulated yet",
+}
+HOLDOUTS_IN_SHORT = Message("Tests that were not fitted: {found}.")
+_PREDICTED = f"{{name}}, which was not fitted, {HOLDOUT_WORDS['predicts']}: "
+_NOT_PREDICTED = f"{{name}}, which was not fitted, {HOLDOUT_WORDS['does not predict']}: "
+_TELLS_NOTHING = f"{{name}}, which was not fitted, {HOLDOUT_WORDS['does not tell']}: "
 HOLDOUT_PREDICTS = Message(
-    "{name}, which was not fitted, is predicted: {measured} was measured and {interval} expected; "
-    "a value as far off has a probability of {probability}. The intervals of the parameters allow "
-    "{prior}."
+    f"{_PREDICTED}{{measured}} was measured and {{interval}} expected; a value as far off has a "
+    "probability of {probability}. The intervals of the parameters allow {prior}."
 )
 _OTHER_CAUSE = (
     "What the fitted tests do not show matters there: the apparatus, the contact law, the shape or "
     "a parameter that is fixed."
 )
 HOLDOUT_REFUTED = Message(
-    "{name}, which was not fitted, is not predicted: {measured} was measured, but {interval} "
-    "expected; a value as far off has a probability of {probability}.",
+    f"{_NOT_PREDICTED}{{measured}} was measured, but {{interval}} expected; a value as far off has "
+    "a probability of {probability}.",
     _OTHER_CAUSE,
 )
 HOLDOUT_TELLS_NOTHING = Message(
-    "{name}, which was not fitted, tells nothing: {measured} was measured and {interval} expected, "
-    "but that is more than half of what the intervals of the parameters allow, {prior}."
+    f"{_TELLS_NOTHING}{{measured}} was measured and {{interval}} expected, but that is more than "
+    "half of what the intervals of the parameters allow, {prior}."
 )
 HOLDOUT_EXPECTED = Message(
     "{name} is expected at {predicted}, within {interval} (95 %). The intervals of the parameters "
     "allow {prior}."
 )
 HOLDOUT_CURVE_PREDICTED = Message(
-    "{name}, which was not fitted, is predicted: its {points} lie within the band that holds 95 % "
-    "of the expected curves. Farthest off at {place}: {measured} was measured and {interval} "
+    f"{_PREDICTED}its {{points}} lie within the band that holds 95 % of the expected curves. "
+    "Farthest off at {place}: {measured} was measured and {interval} "
     "expected; a curve as far off has a probability of {probability}. The band is {share} times as "
     "wide as what the intervals of the parameters allow."
 )
 HOLDOUT_CURVE_REFUTED = Message(
-    "{name}, which was not fitted, is not predicted: of its {points}, {outside} lie outside the "
+    f"{_NOT_PREDICTED}of its {{points}}, {{outside}} lie outside the "
     "band that holds 95 % of the expected curves. Farthest off at {place}: {measured} was "
     "measured, but {interval} expected; a curve as far off has a probability of {probability}.",
     _OTHER_CAUSE,
 )
 HOLDOUT_CURVE_TELLS_NOTHING = Message(
-    "{name}, which was not fitted, tells nothing: its {points} lie within the band that holds 95 % "
+    f"{_TELLS_NOTHING}its {{points}} lie within the band that holds 95 % "
     "of the expected curves, but this is {share} times as wide as what the intervals of the "
     "parameters allow. At {place}, {measured} was measured and {interval} expected."
 )
-HOLDOUT_PENDING = Message("Hold-out {test}: not simulated yet.")
+HOLDOUT_PENDING = Message(f"Hold-out {{test}}: {HOLDOUT_STATES['pending']}.")
 HOLDOUT_INTERRUPTED = Message(
-    "Hold-out {test}: interrupted.", "Start the same command again to continue."
+    f"Hold-out {{test}}: {HOLDOUT_STATES['interrupted']}.",
+    "Start the same command again to continue.",
 )
 HOLDOUT_NOT_CALIBRATED = Message(
     "Hold-out {test}: not simulated, as no calibrated material is there to predict it.",
     "'grainfit predict FILE' simulates it all the same.",
 )
-HOLDOUT_FAILED = Message("Hold-out {test}: no prediction. {why}")
+HOLDOUT_FAILED = Message(f"Hold-out {{test}}: {HOLDOUT_STATES['failed']}. {{why}}")
 HOLDOUT_LATE = Message(
     "Hold-out {test} was registered on {date}, when {runs} of the work folder were known."
 )

@@ -21,7 +21,7 @@ from grainfit.report.page import REPORT_NAME
 from grainfit.report.section import ReportContext
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result
-from grainfit.result.holdout import HOLDOUT_STAGE
+from grainfit.result.holdout import HOLDOUT_STAGE, holdouts_in_short
 from grainfit.verdict.messages import state_name
 from grainfit.verdict.reasons import Deterministic
 from grainfit.watch.messages import NOT_IN_USE
@@ -188,7 +188,10 @@ def _without_calibration(reading: Reading) -> dict[str, Any]:
 def _verdict(reading: Reading, so_far: Result | None, estimate: Sequence[str]) -> dict[str, Any]:
     assert reading.saved is not None, "there is a calibration"
     if reading.saved.in_holdouts:
-        return _in_progress(messages.HOLDOUTS_UNDER_WAY(), [messages.VERDICT_STAYS()])
+        holdouts = reading.saved.result.holdouts if reading.saved.result else ()
+        ended = [one for one in holdouts if one.state != "pending"]
+        details = [*filter(None, [plain(holdouts_in_short(ended))]), messages.VERDICT_STAYS()]
+        return _in_progress(messages.HOLDOUTS_UNDER_WAY(), details)
     if reading.is_running:
         return _verdict_so_far(so_far, estimate)
     if reading.is_held and reading.saved.result is None and reading.saved.state != "failed":

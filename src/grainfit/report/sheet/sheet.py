@@ -113,7 +113,9 @@ class _Sheet:
         self._verdict = shown_verdict(context)
         self._name = plain(card.name) or plain(context.reading.folder.absolute().name)
         self._state = _state(card)
-        grade = self._verdict.grade if card.calibrated == (self._verdict.grade == "good") else "bad"
+        grade = self._verdict.grade
+        if grade == "good" and not card.calibrated:
+            grade = "bad"
         self._colour, self._ground = map(HexColor, _COLOURS[grade])
 
     def write(self, path: Path) -> None:
