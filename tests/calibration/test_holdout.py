@@ -11,6 +11,8 @@ import sys
 import textwrap
 import time
 from dataclasses import replace
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -26,12 +28,14 @@ from grainfit.calibration.holdout import require_not_fitted
 from grainfit.calibration.registrations import HOLDOUTS_NAME, hash_of_targets
 from grainfit.calibration_file import messages as of_calibration_file
 from grainfit.calibration_file.plan import describe_plan
+from grainfit.campaign.campaign import CampaignOptions
 from grainfit.cli.app import app
 from grainfit.evaluation import Evaluation, Proposal, Response
 from grainfit.report.section import ReportContext
 from grainfit.report.sections.holdout.section import holdout as section
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import HoldoutResult
+from grainfit.result import messages as of_result
 from grainfit.result.holdout import HoldoutState, holdouts_in_short
 from grainfit.run_definition import identity_of
 from grainfit.verdict import messages
@@ -41,7 +45,7 @@ from grainfit.work_folder import messages as of_work_folder
 from grainfit.work_folder.saved_calibration import SavedCalibration
 from grainfit.work_folder.status import WorkdirStatus, read_status
 
-RUNS = HOLDOUT.answer_seeds + HOLDOUT.posterior_draws + HOLDOUT.prior_draws
+RUNS = HOLDOUT.sets
 #: Friction of the material, and what it gives in the test that is not fitted.
 FRICTION = 0.5
 FLOW = 5 + 20 * FRICTION**2
@@ -354,15 +358,88 @@ def test_a_material_that_is_not_calibrated_predicts_nothing(tmp_path: Path) -> N
     assert not drum.seeds
 
 
-def test_a_hold_out_that_always_fails_costs_no_verdict() -> None:
-    def broken(parameters: dict[str, float], seed: int) -> dict[str, float]:
-        raise gf.RunFailedError("the drum is stuck")
+@pytest.mark.parametrize(("reasons", "runs"), [(1, 3), (99, 8)])
+def test_a_hold_out_that_always_fails_is_given_up(tmp_path: Path, reasons: int, runs: int) -> None:
+    tries: list[int] = []
+    said: list[str] = []
 
-    result = gf.calibrate(problem(), heap, holdouts=[gf.Holdout("drum", broken)])
+    def broken(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        tries.append(seed)
+        if (tmp_path / "mended").exists():
+            return {"flow": parameters["friction"]}
+        raise gf.RunFailedError(f"stuck drum {len(tries) % reasons}")
+
+    def hear(progress: gf.Progress) -> None:
+        if progress.stage == "hold-out":
+            said.extend(progress.notices)
+
+    stuck = gf.Holdout("stuck", gf.solvers.PythonCallable(broken, ["flow"], identity="drum 2"))
+    holdouts = [stuck, gf.Holdout("drum", drum_solver(Drum()))]
+    result = gf.calibrate(problem(), heap, workdir=tmp_path, holdouts=holdouts, on_progress=hear)
+
     assert result.status == "calibrated"
-    [found] = result.holdouts
-    assert (found.state, found.failed) == ("failed", RUNS)
-    assert "the drum is stuck" in str(found)
+    given_up, other = result.holdouts
+    assert (given_up.state, given_up.runs, given_up.failed) == ("failed", runs, runs)
+    assert of_calibration.HOLDOUT_GIVEN_UP.is_in(given_up.why, runs=runs, responses="responses")
+    assert "stuck drum" in given_up.why
+    assert len(tries) == runs
+    assert (other.state, other.runs) == ("simulated", RUNS)
+    assert str(given_up) in said, "it is said while the other one is simulated"
+    counted = of_result.HOLDOUT_RUNS(runs=f"{runs + RUNS} runs", failed=runs)
+    assert counted in result.runs_in_words
+    assert read_status(tmp_path).failed_in_holdouts == runs
+    # As in a search, what failed is made again: its cause may be mended.
+    (tmp_path / "mended").touch()
+    again = gf.calibrate(problem(), heap, workdir=tmp_path, holdouts=holdouts)
+    assert (again.holdouts[0].state, again.holdouts[0].failed) == ("simulated", 0)
+
+
+def test_a_hold_out_that_fails_at_the_answer_alone_is_not_given_up() -> None:
+    asked: list[float] = []
+
+    def narrow(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        asked.append(parameters["friction"])
+        if parameters["friction"] == asked[0]:
+            raise gf.RunFailedError("the drum is stuck")
+        return {"flow": parameters["friction"]}
+
+    [found] = gf.calibrate(problem(), heap, holdouts=[gf.Holdout("drum", narrow)]).holdouts
+
+    assert (found.state, found.runs) == ("simulated", RUNS)
+    assert found.failed >= HOLDOUT.answer_seeds
+
+
+def test_a_hold_out_that_the_machine_fails_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    tries: list[int] = []
+
+    def unlicensed(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        tries.append(seed)
+        if len(tries) > 5:
+            raise gf.RunFailedError("no licence", kind="machine")
+        return {"flow": parameters["friction"]}
+
+    monkeypatch.setattr(
+        import_module("grainfit.calibration.calibrate"),
+        "CampaignOptions",
+        partial(CampaignOptions, retry_pauses=()),
+    )
+    [found] = gf.calibrate(problem(), heap, holdouts=[gf.Holdout("drum", unlicensed)]).holdouts
+
+    assert (found.state, found.runs, found.failed) == ("failed", 8, 3)
+    assert "no licence" in found.why
+
+
+def test_the_time_of_hold_outs_counts() -> None:
+    def slow(parameters: dict[str, float]) -> dict[str, float]:
+        time.sleep(0.02)
+        return {"flow": parameters["friction"]}
+
+    alone = gf.calibrate(problem(), heap)
+    result = gf.calibrate(problem(), heap, holdouts=[gf.Holdout("drum", slow)])
+
+    assert result.wall_seconds > 0.02 * RUNS
+    assert result.utilisation * result.wall_seconds > 0.02 * RUNS
+    assert result.runs == alone.runs
 
 
 def test_a_hold_out_is_not_called_like_a_fitted_test() -> None:

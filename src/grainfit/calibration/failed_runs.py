@@ -1,4 +1,4 @@
-"""Say where runs have failed, and why."""
+"""Failed runs: whether others would fail as well, and where and why they have."""
 
 from __future__ import annotations
 
@@ -9,10 +9,46 @@ from grainfit.evaluation import Evaluation
 from grainfit.formatting import alike, rounded_off, value_with_unit
 from grainfit.problem import Problem, TestScope
 
+#: Failed runs without a success after which others would fail, too: for one reason, for several.
+_MOST_EQUAL_FAILURES, _MOST_FAILURES = 3, 8
 #: Fewer failures may be chance.
 _FEWEST = 3
 #: Share of failures above which they are said even where no parameter explains them.
 _MANY = 0.25
+
+
+def would_all_fail(tried: Sequence[Evaluation]) -> bool:
+    """Return True if so many runs failed that others would fail as well.
+
+    Parameters
+    ----------
+    tried : sequence of Evaluation
+        Runs of which none has given what is needed.
+    """
+    return len(tried) >= (_MOST_EQUAL_FAILURES if _causes(tried) == 1 else _MOST_FAILURES)
+
+
+def fail_by_machine(ended: Sequence[Evaluation]) -> Sequence[Evaluation]:
+    """Return the last runs if the machine failed them all for one reason, after all retries.
+
+    Parameters
+    ----------
+    ended : sequence of Evaluation
+        Runs in the order in which they ended.
+
+    Returns
+    -------
+    sequence of Evaluation
+        Empty if there is hope for the next run.
+    """
+    latest = ended[-_MOST_EQUAL_FAILURES:]
+    is_alike = len(latest) == _MOST_EQUAL_FAILURES and _causes(latest) == 1
+    return latest if is_alike and all(one.failed_by_machine for one in latest) else ()
+
+
+def _causes(evaluations: Sequence[Evaluation]) -> int:
+    """Return the number of causes of failures: those that differ in numbers only are one."""
+    return len(alike("; ".join(evaluation.failures.values()) for evaluation in evaluations))
 
 
 def about_failed_runs(problem: Problem, evaluations: Sequence[Evaluation]) -> Iterator[str]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from grainfit.bulk_tests.registry import response_info
 from grainfit.calibration import messages
+from grainfit.calibration.holdout_runs import HoldoutProgress, simulate_holdout
 from grainfit.calibration.readiness import measured_faults
 from grainfit.calibration.registrations import Draws, HoldoutFile
 from grainfit.calibration.scopes import restricted_to_used
@@ -181,24 +182,6 @@ class Material:
         return {**self.answer, **self.problem.rounded(self.problem.from_unit(point))}
 
 
-@dataclass(frozen=True)
-class HoldoutProgress:
-    """Progress of the runs of a hold-out.
-
-    Parameters
-    ----------
-    done, failed, of : int
-        Runs that have ended, those of them that failed, and all.
-    campaign : Campaign
-        The campaign that makes them.
-    """
-
-    done: int
-    failed: int
-    of: int
-    campaign: Campaign
-
-
 def _plain(intervals: Mapping[str, tuple[float, float]]) -> dict[str, list[float]]:
     return {name: list(ends) for name, ends in intervals.items()}
 
@@ -322,8 +305,9 @@ def predict_holdout(
 
     own, solver = restricted_to_used(material.problem, holdout.model)
     proposals = _proposals(material, draws)
-    runs = _simulated(make(holdout, solver), [p for part in proposals for p in part], show)
-    parts = HoldoutEvaluations(*([runs[p.seed] for p in part] for part in proposals))
+    runs, why = simulate_holdout(make(holdout, solver), proposals, holdout.needed, show)
+    known = ([runs[p.seed] for p in part if p.seed in runs] for part in proposals)
+    parts = HoldoutEvaluations(*known)
     axes = [i for i, p in enumerate(material.problem.parameters) if p in own.parameters]
     step = max(1, len(material.sample) // _MOST_SETS)
     sample = material.sample[::step][:, axes]
@@ -335,6 +319,8 @@ def predict_holdout(
         runs=sum(len(one.runs) for one in parts.all),
         failed=sum(len(one.failed_runs) for one in parts.all),
     )
+    if why:
+        return replace(ended, state="failed", why=why)
     measured = {target.name: target for target in holdout.targets}
     given = dict.fromkeys(sorted({name for one in parts.all for name in one.responses}))
     try:
@@ -366,33 +352,6 @@ def _proposals(material: Material, draws: Draws) -> list[list[Proposal]]:
         ]
         for part in parts
     ]
-
-
-def _simulated(
-    campaign: Campaign, proposals: Sequence[Proposal], show: Callable[[HoldoutProgress], None]
-) -> dict[int, Evaluation]:
-    """Return the evaluations of some proposals by their seeds."""
-    ended: dict[int, Evaluation] = {}
-
-    def say() -> None:
-        done = sum(len(one.runs) for one in ended.values())
-        failed = sum(len(one.failed_runs) for one in ended.values())
-        every = len(proposals) * campaign.runs_per_set
-        show(HoldoutProgress(done, failed, every, campaign))
-
-    try:
-        for proposal in proposals:
-            campaign.start(proposal)
-        while campaign.has_pending:
-            for evaluation in campaign.wait(say):
-                ended[evaluation.proposal.seed] = evaluation
-            say()
-    except KeyboardInterrupt:
-        campaign.cancel()
-        raise
-    finally:
-        campaign.close()
-    return ended
 
 
 def _unit(solver: Solver, response: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -10,10 +11,10 @@ from pathlib import Path
 
 from grainfit.calibration.holdout import (
     Holdout,
-    HoldoutProgress,
     Material,
     predict_holdout,
 )
+from grainfit.calibration.holdout_runs import HoldoutProgress
 from grainfit.calibration.loop import LoopOptions
 from grainfit.calibration.progress import Progress
 from grainfit.calibration.registrations import HoldoutFile
@@ -70,6 +71,11 @@ class HoldoutsAfter:
         self._making = making
         self._shared = shared
         self._identity = ""
+        #: Why hold-outs were given up, and notices of the campaigns, as they came.
+        self._said: list[str] = []
+        self._taken = 0
+        #: Wall times of all runs that were made, s, by place of the hold-out.
+        self._seconds: dict[int, float] = {}
         if not holdouts:
             return
         self._file = HoldoutFile(folder)
@@ -109,7 +115,7 @@ class HoldoutsAfter:
             return keep(self._all(result, "pending"))
         if result.status != "calibrated":
             return keep(self._all(result, "not calibrated"))
-        self._identity = result.identity
+        self._identity, started = result.identity, time.monotonic()
         pending = self._all(result, "pending")
         found = list(pending.holdouts)
         try:
@@ -121,7 +127,15 @@ class HoldoutsAfter:
             found = _ended(found, "failed", str(error))
         except KeyboardInterrupt:
             found = _ended(found, "interrupted")
+        result = self._with_time(result, time.monotonic() - started)
         return keep(replace(result, holdouts=tuple(found)))
+
+    def _with_time(self, result: Result, seconds: float) -> Result:
+        """Return a result with the time that its hold-outs took, and the share of busy workers."""
+        workers, whole = self._options.workers, result.wall_seconds + seconds
+        busy = result.utilisation * result.wall_seconds * workers + sum(self._seconds.values())
+        utilisation = min(1.0, busy / (workers * max(whole, 1e-9)))
+        return replace(result, wall_seconds=whole, utilisation=utilisation)
 
     def _predict(
         self,
@@ -140,6 +154,9 @@ class HoldoutsAfter:
                 partial(self._show, found[:place]),
                 self._registrations[holdout.name],
             )
+            if found[place].state == "failed":
+                # Said while the others are simulated.
+                self._said.append(str(found[place]))
             keep(replace(result, holdouts=tuple(found)))
 
     def _all(self, result: Result, state: HoldoutState) -> Result:
@@ -152,6 +169,8 @@ class HoldoutsAfter:
     def _show(self, ended: Sequence[HoldoutResult], now: HoldoutProgress | None = None) -> None:
         """Show the progress to the user and to a watch: hold-outs that have ended, and the next."""
         show, live_file = self._options.on_progress, self._options.live_file
+        if now is not None:
+            self._seconds[len(ended)] = now.seconds
         is_due = live_file is not None and (now is None or live_file.is_due)
         if show is None and not is_due:
             return
@@ -167,7 +186,7 @@ class HoldoutsAfter:
         if now is None:
             left = sum(one.runs for one in later)
             to_come = RunsToCome(left, left, left)
-            return Progress(HOLDOUT_STAGE, done, 0, failed, to_come, None, None, ())
+            return Progress(HOLDOUT_STAGE, done, 0, failed, to_come, None, None, tuple(self._said))
         left = now.of - now.done + sum(one.runs for one in later[1:])
         campaign = now.campaign
         return Progress(
@@ -176,12 +195,17 @@ class HoldoutsAfter:
             campaign.running,
             failed + now.failed,
             RunsToCome(left, left, left),
+            now.seconds / now.made * left / self._options.workers if now.made else None,
             None,
-            None,
-            campaign.notices,
+            self._notices(campaign),
             pending=campaign.pending_runs,
             jobs=campaign.jobs,
         )
+
+    def _notices(self, campaign: Campaign) -> tuple[str, ...]:
+        self._said += campaign.notices[self._taken :]
+        self._taken = len(campaign.notices)
+        return tuple(self._said)
 
 
 def _ended(

@@ -16,6 +16,7 @@ from typing import Any
 from grainfit.calibration import messages
 from grainfit.calibration.build_result import Ending, make_result
 from grainfit.calibration.expected_deviation import ExpectedDeviation
+from grainfit.calibration.failed_runs import fail_by_machine, would_all_fail
 from grainfit.calibration.holdout import Material
 from grainfit.calibration.intervals import material_of_result, with_intervals
 from grainfit.calibration.judged_answer import Demands, JudgedAnswer, judge_by_runs
@@ -35,7 +36,6 @@ from grainfit.campaign.store.records import RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal, name_of_test
-from grainfit.formatting import alike
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import about_other_kind, about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
@@ -52,8 +52,6 @@ from grainfit.verdict.options import VERDICT
 from grainfit.verdict.reasons import NoRecordThere
 from grainfit.verdict.rule import Status
 
-#: Failed runs without a success after which a calibration stops: for one reason, and for several.
-_MOST_EQUAL_FAILURES, _MOST_FAILURES = 3, 8
 #: Statuses of runs that are not made again.
 _ENDED = ("finished", "failed")
 #: Of many fresh seeds that are needed, this part is run before the answer is judged again.
@@ -650,9 +648,7 @@ class CalibrationLoop:
         ]
         tests = {self._problem.scope_of(name).name for name in missing}
         tried = [e for e in self._evaluations if any(map(e.proposal.asks_for, tests))]
-        count = len(tried)
-        most = _MOST_EQUAL_FAILURES if _causes(tried) == 1 else _MOST_FAILURES
-        if not missing or count < most:
+        if not missing or not would_all_fail(tried):
             return
         last = tried[-1]
         why = "; ".join(last.failures.values()) or (
@@ -664,24 +660,18 @@ class CalibrationLoop:
         failed = [self._store.find(last.runs[run]) for run in last.failed_runs]
         self._campaign.forget_failures(self._evaluations)
         raise RunFailedError(
-            messages.ALL_FAILED(runs=count, responses=", ".join(missing), why=why),
+            messages.ALL_FAILED(runs=len(tried), responses=", ".join(missing), why=why),
             failed[0].log_tail if failed and failed[0] else "",
         )
 
     def _stop_after_faults_of_machine(self) -> None:
         """Stop when the last runs failed for the same reason of the machine, after all retries."""
-        latest = self._evaluations[-_MOST_EQUAL_FAILURES:]
-        if (
-            len(latest) < _MOST_EQUAL_FAILURES
-            or _causes(latest) > 1
-            or not all(evaluation.failed_by_machine for evaluation in latest)
-        ):
+        latest = fail_by_machine(self._evaluations)
+        if not latest:
             return
         self._campaign.forget_failures(latest)
         why = "; ".join(latest[-1].failures.values())
-        raise RunFailedError(
-            messages.MACHINE_FAILS(runs=_MOST_EQUAL_FAILURES, why=why), kind="machine"
-        )
+        raise RunFailedError(messages.MACHINE_FAILS(runs=len(latest), why=why), kind="machine")
 
     def _show(self) -> None:
         show, live_file = self._options.on_progress, self._options.live_file
@@ -763,11 +753,6 @@ class CalibrationLoop:
             for e in self._evaluations
             if names <= e.responses.keys()
         ]
-
-
-def _causes(evaluations: Sequence[Evaluation]) -> int:
-    """Return the number of causes of failures: those that differ in numbers only are one."""
-    return len(alike("; ".join(evaluation.failures.values()) for evaluation in evaluations))
 
 
 def _runs(evaluations: Sequence[Evaluation]) -> int:

@@ -41,6 +41,9 @@ ALL_FAILED = Message(
     "the first {runs} runs all failed to give {responses}; the calibration is stopped. The last "
     "one: {why}"
 )
+HOLDOUT_GIVEN_UP = Message(
+    "Its first {runs} runs all failed to give {responses}; no others were made. {why}"
+)
 RESPONSES_MISSING = Message("there was only {found}")
 MACHINE_FAILS = Message(
     "the last {runs} runs failed for the same reason, each after several tries: {why}. Finished "

@@ -106,7 +106,7 @@ def print_result(console: Console, result: Result, folder: Path) -> None:
         print_holdouts(console, result.holdouts)
         console.print(_time_step_line(result), highlight=False)
     console.print(
-        f"DEM runs: {result.runs}. Wall time {duration(result.wall_seconds)}, workers busy "
+        f"{result.runs_in_words} Wall time {duration(result.wall_seconds)}, workers busy "
         f"{result.utilisation:.0%}.",
         highlight=False,
     )
@@ -222,7 +222,8 @@ def print_status(console: Console, status: WorkdirStatus) -> None:
         console.print(_text(f"{stage}: {ended} of {asked} runs asked for have ended"))
     waiting = f"{status.waiting} waiting, " if status.waiting else ""
     console.print(
-        f"{status.running} running, {waiting}{len(status.failed)} failed, "
+        f"{status.running} running, {waiting}"
+        f"{len(status.failed) + status.failed_in_holdouts} failed, "
         f"{status.kept} finished runs kept",
         highlight=False,
     )

@@ -71,6 +71,7 @@ def status_document(folder: Path, status: WorkdirStatus) -> dict[str, Any]:
         "running": status.running,
         "waiting": status.waiting,
         "failed": [asdict(run) for run in status.failed],
+        "failed_in_holdouts": status.failed_in_holdouts,
         "kept": status.kept,
         "parameters": _parameters(status.result) if status.result else None,
         "holdouts": [asdict(one) for one in status.result.holdouts] if status.result else [],

@@ -17,6 +17,7 @@ from grainfit.formatting import (
     with_unit,
 )
 from grainfit.one_line import OneLine
+from grainfit.result import messages as of_file
 from grainfit.student import NORMAL_QUANTILE
 from grainfit.verdict import messages
 from grainfit.verdict.holdout import HoldoutVerdict
@@ -302,3 +303,15 @@ def holdouts_in_short(holdouts: Sequence[HoldoutResult]) -> str:
     states = messages.HOLDOUT_STATES
     found += [f"{one.test}: {states[one.state]}" for one in holdouts if one.state in states]
     return messages.HOLDOUTS_IN_SHORT(found="; ".join(found)) if found else ""
+
+
+def runs_of_holdouts(holdouts: Sequence[HoldoutResult]) -> str:
+    """Return the number of runs of hold-outs, and of those that failed, in words; "" if none.
+
+    Parameters
+    ----------
+    holdouts : sequence of HoldoutResult
+        The hold-outs.
+    """
+    runs, failed = sum(one.runs for one in holdouts), sum(one.failed for one in holdouts)
+    return of_file.HOLDOUT_RUNS(runs=counted(runs, "run"), failed=failed) if runs else ""

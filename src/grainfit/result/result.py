@@ -15,7 +15,7 @@ from grainfit.formatting import counted, number, plain_ends, plain_interval, pla
 from grainfit.one_line import OneLine
 from grainfit.plain_data import parse_json, read_plain
 from grainfit.result import messages as of_file
-from grainfit.result.holdout import HoldoutResult
+from grainfit.result.holdout import HoldoutResult, runs_of_holdouts
 from grainfit.result.older_versions import in_current_names
 from grainfit.result.parts import (
     CurveResult,
@@ -239,7 +239,13 @@ class Result(Summary, OneLine):
         if self.sureness:
             parts.append(self.sureness)
         parts += map(str, self.holdouts)
-        return (*parts, f"DEM runs: {self.runs}.")
+        return (*parts, self.runs_in_words)
+
+    @property
+    def runs_in_words(self) -> str:
+        """Numbers of the runs of the calibration and, apart from them, of its hold-outs."""
+        own = f"DEM runs: {self.runs}."
+        return " ".join(filter(None, [own, runs_of_holdouts(self.holdouts)]))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data; ``notices`` begin with the reasons in words."""

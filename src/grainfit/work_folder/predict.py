@@ -11,12 +11,12 @@ from typing import Any
 from grainfit.analysis.analysis import analyse_parameters
 from grainfit.calibration.holdout import (
     Holdout,
-    HoldoutProgress,
     Material,
     predict_holdout,
     require_holdouts,
     require_not_fitted,
 )
+from grainfit.calibration.holdout_runs import HoldoutProgress
 from grainfit.calibration.holdouts_after import options_of_holdout
 from grainfit.calibration.registrations import HoldoutFile
 from grainfit.calibration_file.build import CalibrationSetup, build_holdouts, load_calibration

@@ -54,6 +54,8 @@ class WorkdirStatus:
         Reason why the calibration stopped, if it failed.
     waiting : int
         Runs that wait for a worker, or for a job of a cluster.
+    failed_in_holdouts : int
+        Runs of its hold-outs that failed.
     """
 
     name: str
@@ -67,6 +69,7 @@ class WorkdirStatus:
     result_fault: str = ""
     failure: str = ""
     waiting: int = 0
+    failed_in_holdouts: int = 0
 
 
 def read_status(folder: Path) -> WorkdirStatus:
@@ -99,6 +102,7 @@ def read_status(folder: Path) -> WorkdirStatus:
         result_fault=fault,
         failure=opened.failure,
         waiting=opened.under_way(states.values()) - running,
+        failed_in_holdouts=_failed_in_holdouts(opened.holdouts, result),
     )
 
 
@@ -109,6 +113,12 @@ def _of_holdouts(
     done = live.done if live else sum(one.runs for one in result.holdouts) if result else 0
     left = live.left[1] if live else 0
     return ({HOLDOUT_STAGE: done + left}, {HOLDOUT_STAGE: done}) if done + left else ({}, {})
+
+
+def _failed_in_holdouts(live: LiveState | None, result: Result | None) -> int:
+    if live is not None:
+        return live.failed
+    return sum(one.failed for one in result.holdouts) if result else 0
 
 
 def _by_stage(

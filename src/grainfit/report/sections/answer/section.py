@@ -24,6 +24,7 @@ from grainfit.report.sections.answer.next_step import next_step
 from grainfit.report.sections.answer.simulated_tests import simulated_tests
 from grainfit.report.verdict import shown_verdict
 from grainfit.result import Result, RunCounts
+from grainfit.result.holdout import runs_of_holdouts
 from grainfit.work_folder.saved_calibration import bulk_tests_of, twins_of
 
 #: Digits of a fixed parameter: it is as it was given.
@@ -126,6 +127,7 @@ def _cost(context: ReportContext) -> dict[str, Any]:
     )
     return {
         "counts": counts,
+        "holdouts": runs_of_holdouts(result.holdouts) if result else "",
         "wall": duration(result.wall_seconds) if result else None,
         "simulated": duration(sum(record.seconds for record in reading.records.values())),
         "workers": reading.workers,
