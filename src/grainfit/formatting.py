@@ -21,12 +21,23 @@ _FORMULA_START = re.compile(_CELL_START)
 _ESCAPED_START = re.compile(_CELL_START.replace("(?=", "(?='"))
 #: Below this share of a value, half of its interval is nothing but rounding of the computer.
 _ROUNDING = 1e-9
-_UNITS = {"kg/m^3": "kg/m³", "deg": "°", "m^3": "m³", "m^2": "m²", "m/s^2": "m/s²"}
+_POWER = re.compile(r"\^([+-]?\d+)")
+_DAY = 86_400
+#: Durations from this number of days on are told without hours.
+_WHOLE_DAYS = 10
 
 
 def unit_for_people(unit: str) -> str:
-    """Return a unit as readers expect it."""
-    return _UNITS.get(unit, plain(unit))
+    """Return a unit as readers expect it.
+
+    Examples
+    --------
+    >>> unit_for_people("kg/m^3"), unit_for_people("mJ/m^2"), unit_for_people("deg")
+    ('kg/m³', 'mJ/m²', '°')
+    """
+    if unit == "deg":
+        return "°"
+    return _POWER.sub(lambda power: str(int(power[1])).translate(_SUPERSCRIPTS), plain(unit))
 
 
 def with_unit(shown: str, unit: str) -> str:
@@ -339,13 +350,18 @@ def _is_number(text: str) -> bool:
 
 
 def duration(seconds: float) -> str:
-    """Return a duration in hours, minutes and seconds.
+    """Return a duration in hours, minutes and seconds; from two days on in days.
 
     Examples
     --------
-    >>> duration(3720)
-    '1 h 02 min'
+    >>> duration(3720), duration(190_000), duration(5.12e8)
+    ('1 h 02 min', '2 days 05 h', '5926 days')
     """
+    if seconds >= _WHOLE_DAYS * _DAY:
+        return f"{seconds / _DAY:.0f} days"
+    if round(seconds) >= 2 * _DAY:
+        days, hours = divmod(round(seconds / 3600), 24)
+        return f"{days} days {hours:02d} h"
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:

@@ -114,6 +114,17 @@ def test_the_intervals_of_an_estimate_hold_the_material_of_a_row(
     assert inside >= len(free) * _ESTIMATES - 2
 
 
+def test_numbers_of_an_estimate_have_one_notation() -> None:
+    modulus = gf.Parameter("particle.youngs_modulus", 5e6, 1e7, unit="Pa")
+    given = {n: one for n, one in _without_frictions(MATERIAL).items() if n != modulus.name}
+    problem = gf.Problem([*FRICTIONS, modulus], _of_angle(28.0).targets)
+
+    found = estimate_of(problem, {"heap": gf.solvers.Lammps(HEAP, given)})
+
+    assert "·10⁶ Pa" in str(found)
+    assert "e+0" not in str(found)
+
+
 def test_a_steeper_heap_needs_more_friction() -> None:
     best = [estimate_of(_of_angle(angle), _heaps()).best for angle in (18.0, 28.0, 35.0)]
 

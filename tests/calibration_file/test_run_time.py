@@ -18,6 +18,7 @@ from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.plan import describe_plan
 from grainfit.calibration_file.run_time import RunTime, costs_of_runs, expected_runs, run_time
 from grainfit.cli.app import app
+from grainfit.formatting import duration
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
@@ -69,6 +70,14 @@ def test_budget_limits_the_time(tmp_path: Path) -> None:
     time = time_of(beads)
     assert time is not None
     assert time.seconds[1] == pytest.approx(10 * time.costs["heap"])
+
+
+@pytest.mark.parametrize(
+    ("hours", "words"),
+    [(47, "47 h 00 min"), (48, "2 days 00 h"), (100, "4 days 04 h"), (142230, "5926 days")],
+)
+def test_long_durations_are_in_days(hours: float, words: str) -> None:
+    assert duration(3600 * hours) == words
 
 
 def test_calibration_of_days_says_what_would_shorten_it_and_to_what(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from grainfit import units
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.contact_models.registry import MATERIAL_PARAMETERS
+from grainfit.formatting import unit_for_people
 from grainfit.options.kinds import Quantity
 from grainfit.units import UnitError, is_unit, percentage, to_si, to_unit
 
@@ -54,6 +55,15 @@ def test_usual_units_are_those_of_pint(unit: str, monkeypatch: pytest.MonkeyPatc
     found = [to_si(text) for text in texts]
     monkeypatch.setattr(units, "_USUAL", {})
     assert found == [to_si(text) for text in texts]
+
+
+def test_readers_see_superscripts_in_every_unit() -> None:
+    responses = {one.unit for test in bulk_tests().values() for one in test.responses.values()}
+    known = {one.unit for one in MATERIAL_PARAMETERS.values()} | {*units._FACTORS, *units._SI_UNITS}
+
+    assert {unit for unit in responses | known if "^" in unit_for_people(unit)} == set()
+    assert unit_for_people("kJ/m^2") == "kJ/m²"
+    assert unit_for_people("kg m^-3") == "kg m⁻³"
 
 
 def test_angles_are_in_degrees() -> None:

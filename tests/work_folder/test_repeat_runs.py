@@ -92,6 +92,14 @@ def test_the_intervals_hold_mean_and_standard_deviation_in_95_percent() -> None:
     assert held / count == pytest.approx([0.95, 0.95], abs=0.036)
 
 
+def test_numbers_of_the_scatter_of_a_response_have_one_notation() -> None:
+    target = gf.Target("stress", 9e6, tolerance=3e5, unit="Pa")
+    found = ResponseScatter("stress", (8e6, 9.1e6, 1.03e7), target, "Pa")
+    text = str(RepeatedRuns((found,), {}, ()))
+    assert "·10⁶" in text
+    assert "e+" not in text
+
+
 def test_the_number_of_runs_for_the_tolerance_holds_the_mean_within_it() -> None:
     target = gf.Target("angle", 20.0, tolerance=0.5)
     found = ResponseScatter("angle", (18.0, 22.0, 18.0, 22.0), target)

@@ -20,12 +20,12 @@ from grainfit.errors import InputError
 from grainfit.evaluation import Evaluation
 from grainfit.formatting import (
     counted,
+    ends,
     in_a_row,
     in_unit,
+    interval,
     number,
     on_curve,
-    plain_ends,
-    plain_interval,
 )
 from grainfit.metamodels.curve_reduction import about_short_curves, values_at
 from grainfit.one_line import OneLine
@@ -161,15 +161,15 @@ class RepeatedRuns(Summary, OneLine):
 
 def _row(found: ResponseScatter) -> tuple[str, ...]:
     half, deviation = found.mean_interval, found.standard_deviation
-    ends = found.standard_deviation_interval
-    mean = number(found.mean) if half is None else plain_interval(found.mean, half)
+    of_deviation = found.standard_deviation_interval
+    mean = number(found.mean) if half is None else interval(found.mean, half)
     spread = "-"
-    if deviation is not None and ends is not None:
+    if deviation is not None and of_deviation is not None:
         spread = number(deviation, 3)
         if deviation > 0:
-            spread += f" ({plain_ends(*ends)})"
+            spread += f" ({ends(*of_deviation)})"
     target = found.target
-    wanted = "-" if target is None else plain_interval(target.value, target.tolerance)
+    wanted = "-" if target is None else interval(target.value, target.tolerance)
     return in_unit(found.name, found.unit), mean, spread, wanted, str(len(found.values))
 
 
@@ -348,10 +348,10 @@ class CurveScatter:
         )
         return (
             number(target.coordinates[index]),
-            number(mean) if halves is None else plain_interval(mean, halves),
+            number(mean) if halves is None else interval(mean, halves),
             "-" if deviations is None else number(deviations, 3),
             "-" if ratios is None else number(ratios, 2),
-            plain_interval(target.values[index], float(target.standard_uncertainties[index])),
+            interval(target.values[index], float(target.standard_uncertainties[index])),
             str(len(self.values)),
         )
 

@@ -18,7 +18,7 @@ from grainfit.bulk_tests.abilities import options_for
 from grainfit.bulk_tests.accuracy import Accuracy, usual_accuracy
 from grainfit.bulk_tests.registry import bulk_tests
 from grainfit.errors import InputError
-from grainfit.formatting import duration, in_a_row, number, plain_ends, unit_for_people, with_unit
+from grainfit.formatting import duration, ends, in_a_row, number, unit_for_people, with_unit
 from grainfit.metamodels.credible_interval import extended_to_bounds
 from grainfit.metamodels.importance_sampling import (
     importance_sample,
@@ -245,18 +245,18 @@ class Estimate(Summary, OneLine):
 
     def _parameter_row(self, one: EstimatedParameter) -> tuple[str, ...]:
         unit = unit_for_people(one.parameter.unit)
-        given = plain_ends(one.parameter.minimum, one.parameter.maximum)
+        given = ends(one.parameter.minimum, one.parameter.maximum)
         return (
             one.parameter.name,
             with_unit(number(self.best[one.parameter.name], 3), unit),
-            with_unit(plain_ends(one.low, one.high), unit),
+            with_unit(ends(one.low, one.high), unit),
             with_unit(given, unit),
         )
 
     def _sentences(self) -> Iterator[str]:
         off = [one.target.name for one in self.responses if one.agrees and not one.is_met]
-        if off and (ends := self._on_bounds):
-            yield messages.BEYOND_BOUND(responses=in_a_row(off), names=in_a_row(ends))
+        if off and (on_bounds := self._on_bounds):
+            yield messages.BEYOND_BOUND(responses=in_a_row(off), names=in_a_row(on_bounds))
         if still := [one.parameter.name for one in self.parameters if one.is_open]:
             yield messages.OPEN(names=", ".join(still))
         for name in still:

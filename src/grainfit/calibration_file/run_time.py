@@ -243,9 +243,7 @@ def costs_of_runs(problem: Problem, solvers: Mapping[str, Solver]) -> dict[str, 
 
 
 def _in_words(seconds: float) -> str:
-    if seconds >= 2 * _DAY:
-        return f"{seconds / _DAY:.0f} days"
-    if seconds >= _HOURS:
+    if _HOURS <= seconds < 2 * _DAY:
         # Minutes of such an estimate would say nothing.
         return f"{seconds / 3600:.0f} h"
     return duration(seconds)

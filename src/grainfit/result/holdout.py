@@ -8,9 +8,9 @@ from typing import Literal
 
 from grainfit.formatting import (
     counted,
+    ends,
+    interval,
     on_curve,
-    plain_ends,
-    plain_interval,
     plain_probability,
     rounded,
     unit_for_people,
@@ -97,19 +97,17 @@ class HoldoutResponse(OneLine):
     def in_words(self, name: str) -> str:
         """Return prediction, measured value and verdict in a sentence."""
         unit = unit_for_people(self.unit)
-        interval, prior = (
-            with_unit(plain_ends(*ends), unit) for ends in (self.interval, self.prior)
-        )
+        within, prior = (with_unit(ends(*pair), unit) for pair in (self.interval, self.prior))
         if self.measured is None or self.verdict is None:
             predicted = with_unit(rounded(self.predicted, self.standard_error), unit)
             return messages.HOLDOUT_EXPECTED(
-                name=name, predicted=predicted, interval=interval, prior=prior
+                name=name, predicted=predicted, interval=within, prior=prior
             )
         half = NORMAL_QUANTILE * (self.uncertainty or 0.0)
         said = {
             "name": name,
-            "measured": with_unit(plain_interval(self.measured, half), unit),
-            "interval": interval,
+            "measured": with_unit(interval(self.measured, half), unit),
+            "interval": within,
         }
         if self.verdict == "does not tell":
             return messages.HOLDOUT_TELLS_NOTHING(**said, prior=prior)
@@ -175,10 +173,10 @@ class HoldoutCurve(OneLine):
     @property
     def deviations(self) -> tuple[float, ...]:
         """Deviations of the measured points from the middle of the band, over half its width."""
-        ends = zip(self.low, self.high, strict=True)
+        band = zip(self.low, self.high, strict=True)
         return tuple(
             (2 * value - low - high) / (high - low)
-            for value, (low, high) in zip(self.measured, ends, strict=True)
+            for value, (low, high) in zip(self.measured, band, strict=True)
         )
 
     @property
@@ -195,8 +193,8 @@ class HoldoutCurve(OneLine):
             "name": name,
             "points": counted(len(self.measured), "point"),
             "place": on_curve(self.coordinates[at], self.coordinate, self.coordinate_unit),
-            "measured": with_unit(plain_interval(self.measured[at], half), unit),
-            "interval": with_unit(plain_ends(self.low[at], self.high[at]), unit),
+            "measured": with_unit(interval(self.measured[at], half), unit),
+            "interval": with_unit(ends(self.low[at], self.high[at]), unit),
         }
         share = f"{self.share_of_prior:.2g}"
         if self.verdict == "does not tell":
