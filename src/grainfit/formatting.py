@@ -21,6 +21,8 @@ _FORMULA_START = re.compile(_CELL_START)
 _ESCAPED_START = re.compile(_CELL_START.replace("(?=", "(?='"))
 #: Below this share of a value, half of its interval is nothing but rounding of the computer.
 _ROUNDING = 1e-9
+#: Significant digits of numbers as they are given, and what products of them are off, relative.
+_SHORT, _NOISE = 12, 1e-15
 _POWER = re.compile(r"\^([+-]?\d+)")
 _DAY = 86_400
 #: Durations from this number of days on are told without hours.
@@ -133,6 +135,30 @@ def rounded_off(value: float, digits: int, *, up: bool) -> float:
     unit = 10.0 ** (floor(log10(abs(value))) - digits + 1)
     steps = ceil(value / unit) if up else floor(value / unit)
     return float(f"{steps * unit:.6g}")
+
+
+def without_noise(value: float, size: float | None = None) -> float:
+    """Return the number of twelve digits that a value is, but for rounding of the computer.
+
+    Other numbers keep all digits.
+
+    Parameters
+    ----------
+    value : float
+        Any number.
+    size : float, optional
+        Of the quantities that it was computed from, where it may be a small difference of them.
+
+    Examples
+    --------
+    >>> without_noise(3 * 0.003), without_noise(2.7e-20, size=0.009), without_noise(2 / 3)
+    (0.009, 0.0, 0.6666666666666666)
+    """
+    if value == 0 or not isfinite(value):
+        return value
+    size = abs(size or value)
+    short = round(value, _SHORT - 1 - floor(log10(size))) + 0.0
+    return short if abs(short - value) <= _NOISE * size else value
 
 
 def rounded(value: float | None, uncertainty: float | None) -> str:

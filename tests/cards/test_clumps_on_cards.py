@@ -9,6 +9,7 @@ import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,12 +19,14 @@ from test_solvers_read_cards import run_yade, start, write_yade
 import needs
 from grainfit.bulk_tests.heap import Heap
 from grainfit.bulk_tests.packing import Packing
-from grainfit.cards import MaterialCard, render
+from grainfit.cards import CardParameter, MaterialCard, render
+from grainfit.cards.from_calibration import make_card
 from grainfit.materials.particle_shape import ParticleShape
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.solvers.dem.liggghts.program import Liggghts
 from grainfit.testing.decks import write_deck
+from grainfit.work_folder.saved_calibration import SavedCalibration
 
 SIZES = ParticleSizes((0.010,), shape=ParticleShape("grain", aspect_ratio=1.8))
 
@@ -185,6 +188,40 @@ def test_every_card_has_the_spheres(clumps: MaterialCard) -> None:
         assert all(line.startswith("#") for line in text.splitlines() if "multisphere" in line)
     assert "particletemplate/multisphere" in render(clumps, "liggghts")
     assert "put_clump" in render(clumps, "yade")
+
+
+@pytest.mark.parametrize("to", ["lammps", "liggghts", "yade", "json", "csv"])
+@pytest.mark.parametrize("shape", [None, ParticleShape("cylinder", aspect_ratio=1.2)])
+def test_coarse_grained_cards_have_no_rounding_of_the_computer(
+    beads: Path, to: str, shape: ParticleShape | None
+) -> None:
+    saved = SavedCalibration.open(beads)
+    enlarged = ParticleSizes((0.003,), shape=shape).coarse_grained(3)
+    made = make_card(replace(saved, records={}, sizes=enlarged), {})
+    parameters = [replace(p, value=1007.0) if "density" in p.name else p for p in made.parameters]
+    if to in ("lammps", "json", "csv"):
+        # At the size of the particles, it is 0.30000000000000004.
+        name = "particle_particle.surface_energy"
+        parameters.append(CardParameter(name, "", "", "", 0.1, "given"))
+    text = render(replace(made, parameters=tuple(parameters)), to)
+
+    assert "00000000000" not in re.sub(r"\b[1-9]0+(\.0)?\b", "", text)
+    assert "99999999999" not in text
+
+
+def test_the_card_of_yade_finds_a_clump_by_its_diameter_as_people_write_it(
+    clumps: MaterialCard,
+) -> None:
+    sizes = SIZES.coarse_grained(0.3 / 0.1)
+    text = render(replace(clumps, sizes=sizes), "yade")
+    lookup = text[text.index("CLUMPS = {") : text.index("    numbers = []")]
+    found: dict[str, Any] = {}
+    exec(lookup.replace("orientation=Quaternion.Identity, ", "") + "    return mass", found)
+
+    assert sizes.diameters != (0.03,)
+    assert found["put_clump"](None, 0.03) == found["put_clump"](None)
+    with pytest.raises(KeyError, match=r"0\.04"):
+        found["put_clump"](None, 0.04)
 
 
 def test_cards_of_spheres_say_nothing_of_clumps(card: MaterialCard) -> None:

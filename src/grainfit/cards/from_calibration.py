@@ -142,9 +142,9 @@ def _sizes(
     reading: SavedCalibration, conditions: list[Conditions], aspect_ratio: float
 ) -> ParticleSizes | None:
     if conditions:
-        return conditions[0].sizes.with_aspect_ratio(aspect_ratio)
+        return conditions[0].sizes.with_aspect_ratio(aspect_ratio).without_noise
     if reading.sizes is not None:
-        return reading.sizes.with_aspect_ratio(aspect_ratio)
+        return reading.sizes.with_aspect_ratio(aspect_ratio).without_noise
     rayleigh = reading.problem.rayleigh
     if rayleigh is None:
         return None

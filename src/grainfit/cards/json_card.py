@@ -81,7 +81,7 @@ def _sizes(sizes: ParticleSizes | None) -> dict[str, Any] | None:
     return {
         **sizes.definition(),
         "coarse_graining": sizes.coarse_graining,
-        "real_diameters": sizes.real.diameters,
+        "real_diameters": sizes.real.without_noise.diameters,
     }
 
 

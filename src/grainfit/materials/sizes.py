@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from grainfit.errors import InputError
-from grainfit.formatting import millimetres, percent
+from grainfit.formatting import millimetres, percent, without_noise
 from grainfit.materials import messages
 from grainfit.materials.particle_shape import CLUMPS_REVISION, ParticleShape
 from grainfit.one_line import OneLine
@@ -154,6 +154,20 @@ class ParticleSizes(OneLine):
             return self
         diameters = tuple(d / self.coarse_graining for d in self.diameters)
         return replace(self, diameters=diameters, coarse_graining=1.0)
+
+    @property
+    def without_noise(self) -> ParticleSizes:
+        """The same sizes as they are to be written: products have rounding of the computer.
+
+        Runs keep the products that they had, as their identities follow from them.
+
+        Examples
+        --------
+        >>> enlarged = ParticleSizes((0.003,)).coarse_grained(3)
+        >>> enlarged.diameters, enlarged.without_noise.diameters
+        ((0.009000000000000001,), (0.009,))
+        """
+        return replace(self, diameters=tuple(map(without_noise, self.diameters)))
 
     @property
     def words(self) -> str:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from grainfit.formatting import without_noise
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.scenes.spheres import ClumpSpheres, clump_spheres
 
@@ -46,7 +47,21 @@ def card_clumps(sizes: ParticleSizes | None, density: float) -> list[CardClump]:
     spheres = None if sizes is None else clump_spheres(sizes)
     if spheres is None:
         return []
-    return [card_clump(spheres, index, density) for index in range(len(spheres.diameters))]
+    every = (card_clump(spheres, index, density) for index in range(len(spheres.diameters)))
+    return [_without_noise(clump) for clump in every]
+
+
+def _without_noise(clump: CardClump) -> CardClump:
+    x, y, z = map(without_noise, clump.inertia)
+    return replace(
+        clump,
+        spheres=tuple(
+            tuple(without_noise(length, size=clump.diameter) for length in sphere)
+            for sphere in clump.spheres
+        ),
+        mass=without_noise(clump.mass),
+        inertia=(x, y, z),
+    )
 
 
 def clump_comments(sizes: ParticleSizes | None) -> list[str]:
@@ -108,11 +123,12 @@ def lammps_molecule(clump: CardClump) -> Iterator[str]:
     yield f"{' '.join(map(repr, clump.inertia))} 0.0 0.0 0.0 inertia"
     numbered = [*enumerate(clump.spheres, 1)]
     whole = sum(radius**3 for *_, radius in clump.spheres)
+    masses = [without_noise(clump.mass * radius**3 / whole) for *_, radius in clump.spheres]
     for title, rows in (
         ("Coords", [f"{n} {x!r} {y!r} {z!r}" for n, (x, y, z, _) in numbered]),
         ("Types", [f"{n} {kind}" for n, kind in enumerate(clump.types, 1)]),
-        ("Diameters", [f"{n} {2 * radius!r}" for n, (*_, radius) in numbered]),
-        ("Masses", [f"{n} {clump.mass * radius**3 / whole!r}" for n, (*_, radius) in numbered]),
+        ("Diameters", [f"{n} {without_noise(2 * radius)!r}" for n, (*_, radius) in numbered]),
+        ("Masses", [f"{n} {mass!r}" for n, mass in enumerate(masses, 1)]),
     ):
         yield from ("", title, "", *rows)
 
@@ -120,7 +136,7 @@ def lammps_molecule(clump: CardClump) -> Iterator[str]:
 def liggghts_template(clump: CardClump) -> Iterator[str]:
     """Yield a particle template for LIGGGHTS, for ``fix multisphere``."""
     x, y, z = clump.inertia
-    density = clump.mass / (math.pi / 6 * clump.diameter**3)
+    density = without_noise(clump.mass / (math.pi / 6 * clump.diameter**3))
     template = f"particletemplate/multisphere {_prime(clump.number)}"
     yield f"fix clump{clump.number} all {template} atom_type 1 &"
     yield f"    density constant {density!r} nspheres {len(clump.spheres)} ntry 1000000 spheres &"

@@ -18,7 +18,7 @@ from grainfit.contact_models.registry import (
     with_defaults,
 )
 from grainfit.errors import InputError
-from grainfit.formatting import in_a_row, variable_name
+from grainfit.formatting import in_a_row, variable_name, without_noise
 from grainfit.materials.card import CardParameter, MaterialCard
 from grainfit.materials.card_text import about, comment, comments, header
 from grainfit.materials.equations import SYMBOLS
@@ -85,11 +85,13 @@ def _simulated(parameter: CardParameter, ratio: float) -> CardParameter:
     if ratio == 1:
         return parameter
     meaning = parameter.description or parameter.name
-    interval = parameter.interval
+    value, low, high = (
+        without_noise(ratio * one) for one in (parameter.value, *(parameter.interval or (0.0, 0.0)))
+    )
     return replace(
         parameter,
-        value=ratio * parameter.value,
-        interval=None if interval is None else (ratio * interval[0], ratio * interval[1]),
+        value=value,
+        interval=None if parameter.interval is None else (low, high),
         description=f"{meaning}, {ratio:g} times that of the real particles",
     )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from grainfit.contact_models.base import ContactLaw
 from grainfit.contact_models.lammps import lammps_clauses, lammps_keywords
+from grainfit.formatting import without_noise
 from grainfit.materials.card import MaterialCard
 from grainfit.materials.sizes import ParticleSizes
 from grainfit.materials.walls import material_on
@@ -75,10 +76,11 @@ def render_lammps(card: MaterialCard) -> str:
         card,
         {
             "kinds": kinds,
+            "without_noise": without_noise,
             "groups": [f"size{n + 1} type {n + 1}" for n in range(len(kinds.radii)) if several],
             "sizes": sizes,
             "molfrac": _mole_fractions(sizes),
-            "reach": max(sizes.outer_diameters) + 0.3 * sizes.sauter_diameter,
+            "reach": without_noise(max(sizes.outer_diameters) + 0.3 * sizes.sauter_diameter),
             "clump": clump_lines(sizes, material["particle.density"], lammps_molecule),
             "variables": list(variables(card.parameters, taken)),
             "notes": model_notes(_notes(law, card.gravity)),

@@ -15,7 +15,9 @@ from grainfit.contact_models.yade import (
     yade_on_wall,
     yade_physics,
 )
+from grainfit.formatting import without_noise
 from grainfit.materials.card import MaterialCard
+from grainfit.materials.clumps import Clump
 from grainfit.materials.walls import material_on, on_wall
 from grainfit.solvers.dem.card_clumps import card_clumps, clump_comments
 from grainfit.solvers.dem.card_parts import (
@@ -75,6 +77,10 @@ def _wall(
     )
 
 
+def _weights(clump: Clump) -> list[float]:
+    return [without_noise(weight, size=1.0) for weight in clump_shares(clump).weights]
+
+
 def render_yade(card: MaterialCard) -> str:
     """Return the card for YADE.
 
@@ -96,7 +102,7 @@ def render_yade(card: MaterialCard) -> str:
         {
             "clump_comments": clump_comments(sizes),
             "clumps": card_clumps(sizes, material["particle.density"]),
-            "weights": None if sizes.clump is None else clump_shares(sizes.clump).weights,
+            "weights": None if sizes.clump is None else _weights(sizes.clump),
             "quoted": repr,
             "notes": model_notes(found.notes(contact) for found in keywords),
             "physics": yade_physics(law, contact),
