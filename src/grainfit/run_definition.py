@@ -80,6 +80,11 @@ class RunDefinition(OneLine):
         """Hash of the model, the same for all runs of a solver."""
         return identity_of(self.model)
 
+    @property
+    def test_type(self) -> str:
+        """Type of the bulk test; "" of a model of the user."""
+        return type_of_test(self.model)
+
     def to_json(self) -> dict[str, Any]:
         """Return flat plain data that `from_json` reads."""
         key = _MATERIAL if _TEST in self.model else _PARAMETERS
@@ -107,3 +112,9 @@ class RunDefinition(OneLine):
             return cls(model, parameters, int(seed))
         except OverflowError as error:
             raise ValueError(f"a number of a run is too large: {error}") from error
+
+
+def type_of_test(model: Mapping[str, Any]) -> str:
+    """Return the type of the bulk test of a model; "" of a model of the user."""
+    test = model.get(_TEST)
+    return str(test.get("type", "")) if isinstance(test, Mapping) else ""

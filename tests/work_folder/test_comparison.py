@@ -16,10 +16,13 @@ from benchmarks import chromium
 from benchmarks.axe import violations
 from grainfit.cli.app import app
 from grainfit.errors import InputError, StoreError
+from grainfit.evaluation import response_name
 from grainfit.report.compared.page import write_compared_page
+from grainfit.result import CurveResult, YieldLocus, YieldLocusResult
 from grainfit.tables import TextTable
 from grainfit.work_folder import messages
-from grainfit.work_folder.comparison import ComparedValue, compare
+from grainfit.work_folder.compared_rows import ComparedValue
+from grainfit.work_folder.comparison import compare
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 
@@ -68,6 +71,82 @@ def test_comparison_judges_those_that_have_a_row_and_lists_no_equal_fixed_values
     assert "damping" not in found
     assert found["blades"] == ("4 (fixed)", "6 (fixed)", "–", "differ")
     assert rows([one, wet], 0)["blades"] == ("4 (fixed)", "–", "")
+
+
+def of_tests(saved: SavedCalibration, **types: str) -> SavedCalibration:
+    """Return a calibration as if the angle were that of each of these bulk tests, by name."""
+    record, result = next(iter(saved.records.values())), saved.result
+    assert result is not None
+    own = {
+        name: replace(record.definition, model={"test": {"type": kind}})
+        for name, kind in types.items()
+    }
+    records = {n: replace(record, test=n, definition=one) for n, one in own.items()}
+    names = [response_name(name, "angle", len(types)) for name in types]
+    responses = dict.fromkeys(names, result.responses["angle"])
+    return replace(saved, records=records, result=replace(result, responses=responses))
+
+
+def test_only_responses_of_one_type_of_test_are_in_one_row(three: list[SavedCalibration]) -> None:
+    first, again, wet = three
+    heap, funnel = of_tests(first, heap="heap"), of_tests(wet, funnel="funnel")
+    both = of_tests(again, pile="heap", drum="drum")
+
+    assert [row[-1] for row in rows([heap, funnel], 1).values()] == ["", ""]
+    assert rows([of_tests(first, drum="drum"), of_tests(wet, mill="drum")], 1).keys() == {"angle"}
+    found = rows([heap, both], 1)
+    assert list(found) == ["heap.angle", "drum.angle"]
+    assert found["heap.angle"][-1] == "agree"
+    assert {(r.test, r.response) for r in compare([heap, heap]).responses} == {("heap", "angle")}
+
+
+def test_two_tests_of_a_type_are_told_by_their_names(three: list[SavedCalibration]) -> None:
+    one, two = of_tests(three[0], dry="heap"), of_tests(three[2], wet="heap", dry="heap")
+
+    found = rows([one, two], 1)
+    assert list(found) == ["dry.angle", "wet.angle"]
+    assert found["dry.angle"][-1] == "differ"
+    assert found["wet.angle"][0] == "–"
+
+
+CURVE = CurveResult(
+    *("strain", "", "Pa", (0.1, 0.2), (3.0, 4.0), (0.1, 0.1), (3.1, 4.0), (0.0, 0.0)),
+    *(1, 0.71, 0.9, 1.0, "met"),
+)
+LINE = YieldLocus(
+    (1e3, 2e3), (gf.Response(600.0),) * 2, gf.Response(100.0, 5.0), gf.Response(30.0, 1.0)
+)
+
+
+def test_curves_and_yield_loci_have_rows(three: list[SavedCalibration], tmp_path: Path) -> None:
+    first, again, wet = (
+        replace(one, result=replace(one.result, curves={"stress": CURVE})) for one in three
+    )
+    for one, other in (
+        (first, LINE),
+        (again, None),
+        (wet, replace(LINE, cohesion=LINE.shear_stresses[0])),
+    ):
+        vars(one)["yield_loci"] = (YieldLocusResult(("simulate",), LINE, other),)
+    saved = [first, again, wet, three[0]]
+
+    found = compare(saved)
+    assert rows(saved, 2)["stress"] == (*["0.71 σ off 2 points, met"] * 3, "–")
+    loci = rows(saved, 3)
+    assert loci["cohesion"][1:] == (
+        "– (100.0 ± 9.8 Pa)",
+        "600 ± 0 Pa (100.0 ± 9.8 Pa)",
+        "–",
+        "differ",
+    )
+    assert loci["internal_friction_angle"][-1] == "agree"
+    plain = json.loads(json.dumps(found.document()))
+    assert [one and one["deviation"] for one in plain["curves"][0]["values"]] == [0.71] * 3 + [None]
+    assert [row["verdict"] for row in plain["yield_loci"]] == ["differ", "agree"]
+    write_compared_page(found, saved, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text()
+    assert page.count("0.71 σ off 2 points, met") == 3
+    assert "100.0 ± 9.8 Pa" in page
 
 
 def test_comparison_has_one_notation_of_numbers() -> None:

@@ -15,7 +15,7 @@ from grainfit.errors import GrainfitError
 from grainfit.formatting import in_a_row, plain_ends, value_with_unit, with_unit
 from grainfit.metamodels.known_runs import LARGEST_DISTANCE, distance_outside
 from grainfit.problem import Problem
-from grainfit.run_definition import identity_of
+from grainfit.run_definition import identity_of, type_of_test
 from grainfit.solvers.base import Solver
 
 #: Parts of a model in words, the most telling first; others have their own name.
@@ -126,24 +126,18 @@ def _other_model(others: Sequence[RunRecord], solvers: Mapping[str, Solver]) -> 
     for test, solver in solvers.items():
         here = solver.model()
         for record in others:
-            there = record.definition.model
-            if _kind(there) == _kind(here) and (_kind(here) or record.test == test):
+            there, kind = record.definition.model, type_of_test(here)
+            if type_of_test(there) == kind and (kind or record.test == test):
                 part = next(name for name in [*_PARTS, *here, *there] if _differ(here, there, name))
                 return messages.OTHER_MODEL(test=record.test, what=_PARTS.get(part, part))
-    theirs = dict.fromkeys(_kind(record.definition.model) or record.test for record in others)
-    ours = dict.fromkeys(_kind(solver.model()) or test for test, solver in solvers.items())
+    theirs = dict.fromkeys(record.definition.test_type or record.test for record in others)
+    ours = dict.fromkeys(type_of_test(solver.model()) or test for test, solver in solvers.items())
     return messages.OTHER_TESTS(theirs=in_a_row(theirs), ours=in_a_row(ours))
 
 
 def _differ(here: Mapping[str, Any], there: Mapping[str, Any], part: str) -> bool:
     # As in hashes of models: a list is the same as a tuple, and 1 is not 1.0.
     return identity_of({part: here.get(part)}) != identity_of({part: there.get(part)})
-
-
-def _kind(model: Mapping[str, Any]) -> str:
-    """Return the type of a bulk test; empty for a model of the user."""
-    test = model.get("test")
-    return str(test.get("type", "")) if isinstance(test, Mapping) else ""
 
 
 def _shown(name: str, values: Sequence[float]) -> str:

@@ -5,94 +5,22 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import combinations
-from typing import Any, Literal
+from typing import Any
 
 from grainfit.errors import InputError
-from grainfit.formatting import (
-    duration,
-    ends,
-    interval,
-    number,
-    unit_for_people,
-    with_unit,
-)
+from grainfit.formatting import duration
 from grainfit.tables import TextTable
 from grainfit.verdict.messages import state_name
 from grainfit.work_folder import messages
+from grainfit.work_folder.compared_rows import (
+    ABSENT,
+    ComparedCurves,
+    ComparedResponse,
+    ComparedRow,
+    ComparedValue,
+)
+from grainfit.work_folder.compared_tests import rows_of_tests
 from grainfit.work_folder.saved_calibration import SavedCalibration, bulk_tests_of, read_answer
-
-_ABSENT = "–"
-#: Words of the last column.
-AGREE, DIFFER = "agree", "differ"
-
-
-@dataclass(frozen=True)
-class ComparedValue:
-    """A value of one calibration: of a parameter, SI, or of a response, in its unit.
-
-    Parameters
-    ----------
-    value : float
-        The value at the answer; of a response, the expected one.
-    low, high : float, optional
-        Its 95 % interval, where it has one.
-    unit : str
-        As in the calibration file.
-    is_fixed : bool
-        Whether it is a parameter that was not free.
-    measured, tolerance : float, optional
-        Target of a response.
-    verdict : str
-        Of a response; of a parameter, how well it is determined.
-    """
-
-    value: float
-    low: float | None = None
-    high: float | None = None
-    unit: str = ""
-    is_fixed: bool = False
-    measured: float | None = None
-    tolerance: float | None = None
-    verdict: str = ""
-
-    @property
-    def shown(self) -> str:
-        """The value with its interval or its target in brackets, for people."""
-        unit = unit_for_people(self.unit)
-        if self.is_fixed:
-            return f"{with_unit(number(self.value), unit)} (fixed)"
-        if self.measured is not None and self.tolerance is not None and self.high is not None:
-            expected = with_unit(interval(self.value, self.high - self.value), unit)
-            return f"{expected} ({with_unit(interval(self.measured, self.tolerance), unit)})"
-        shown = with_unit(number(self.value), unit)
-        if self.low is None or self.high is None:
-            return shown
-        return f"{shown} ({ends(self.low, self.high)})"
-
-
-@dataclass(frozen=True)
-class ComparedRow:
-    """A parameter or a response in all calibrations; None where one does not have it."""
-
-    name: str
-    values: tuple[ComparedValue | None, ...]
-
-    @property
-    def verdict(self) -> Literal["agree", "differ", ""]:
-        """Whether all pairs of intervals overlap; "" where fewer than two have one."""
-        found = [(one.low, one.high) for one in self.values if one is not None]
-        known = [(low, high) for low, high in found if low is not None and high is not None]
-        if len(known) < 2:
-            return ""
-        apart = any(a[1] < b[0] or b[1] < a[0] for a, b in combinations(known, 2))
-        return "differ" if apart else "agree"
-
-    @property
-    def shown(self) -> tuple[str, ...]:
-        """The row of a table."""
-        texts = (_ABSENT if one is None else one.shown for one in self.values)
-        return (self.name, *texts, self.verdict)
 
 
 @dataclass(frozen=True)
@@ -105,9 +33,12 @@ class Comparison:
         Names of their folders.
     titles, states : tuple of str
         Their names and their states, as in result.json.
-    parameters, responses : tuple of ComparedRow
-        All free parameters, the fixed ones that are not the same or that one alone has, and all
-        responses.
+    parameters : tuple of ComparedRow
+        All free parameters, and the fixed ones that are not the same or that one alone has.
+    responses, yield_loci : tuple of ComparedResponse
+        All responses that are numbers, and what the yield loci tell.
+    curves : tuple of ComparedCurves
+        All curves.
     circumstances : mapping of str to tuple of str
         Cost, solver, particle diameters, version, strategy and seed of each.
     file_differences : tuple of str
@@ -118,7 +49,9 @@ class Comparison:
     titles: tuple[str, ...]
     states: tuple[str, ...]
     parameters: tuple[ComparedRow, ...]
-    responses: tuple[ComparedRow, ...]
+    responses: tuple[ComparedResponse, ...]
+    curves: tuple[ComparedCurves, ...]
+    yield_loci: tuple[ComparedResponse, ...]
     circumstances: Mapping[str, tuple[str, ...]]
     file_differences: tuple[str, ...]
 
@@ -132,21 +65,33 @@ class Comparison:
                 tuple(row.shown for row in self.parameters),
                 "95 % intervals in brackets",
             ),
-            TextTable(
-                ("response", *self.names, ""),
-                tuple(row.shown for row in self.responses),
-                "expected at the answer, with its 95 % confidence; measured in brackets",
-            ),
+            *self._tables_of_tests(),
             TextTable(
                 ("", *self.names), tuple((what, *of) for what, of in self.circumstances.items())
             ),
             *self.file_differences,
         ]
 
+    def _tables_of_tests(self) -> Iterator[TextTable]:
+        expected = "expected at the answer, with its 95 % confidence; measured in brackets"
+        if self.responses or not self.curves:
+            rows = tuple(row.shown for row in self.responses)
+            yield TextTable(("response", *self.names, ""), rows, expected)
+        if self.curves:
+            off = (
+                "root mean square deviation of the expected curve, in standard uncertainties σ of "
+                "the measured points"
+            )
+            curves = tuple(row.shown for row in self.curves)
+            yield TextTable(("curve", *self.names), curves, off)
+        if self.yield_loci:
+            loci = tuple(row.shown for row in self.yield_loci)
+            yield TextTable(("yield locus", *self.names, ""), loci, expected)
+
     def document(self) -> dict[str, Any]:
         """Return all of it as plain data, with the verdict of each row."""
         found = asdict(self)
-        for key in ("parameters", "responses"):
+        for key in ("parameters", "responses", "yield_loci"):
             rows: tuple[ComparedRow, ...] = getattr(self, key)
             for plain_row, row in zip(found[key], rows, strict=True):
                 plain_row["verdict"] = row.verdict or None
@@ -175,15 +120,15 @@ def compare(saved: Sequence[SavedCalibration]) -> Comparison:
         raise InputError(messages.ONE_CALIBRATION.fault(""))
     for one in saved:
         read_answer(one)
+    of_tests = rows_of_tests(saved)
     return Comparison(
         _names(saved),
         tuple(one.name for one in saved),
         tuple(one.state for one in saved),
         tuple(_parameter_rows(saved)),
-        tuple(
-            ComparedRow(name, tuple(_response(one, name) for one in saved))
-            for name in _in_order(one.result.responses for one in saved if one.result)
-        ),
+        of_tests.responses,
+        of_tests.curves,
+        of_tests.yield_loci,
         _circumstances(saved),
         tuple(_file_differences(saved)),
     )
@@ -222,22 +167,6 @@ def _parameter(one: SavedCalibration, name: str) -> ComparedValue | None:
     return None
 
 
-def _response(one: SavedCalibration, name: str) -> ComparedValue | None:
-    found = one.result.responses.get(name) if one.result else None
-    if found is None:
-        return None
-    value, half = found.expected
-    return ComparedValue(
-        value,
-        value - half,
-        value + half,
-        found.unit,
-        measured=found.target,
-        tolerance=found.tolerance,
-        verdict=found.verdict,
-    )
-
-
 def _circumstances(saved: Sequence[SavedCalibration]) -> dict[str, tuple[str, ...]]:
     seconds = [sum(record.seconds for record in one.records.values()) for one in saved]
     return {
@@ -245,7 +174,7 @@ def _circumstances(saved: Sequence[SavedCalibration]) -> dict[str, tuple[str, ..
         "time of simulation": tuple(map(duration, seconds)),
         "solver": tuple(_solvers(one) for one in saved),
         "particle diameters": tuple(_diameters(one) for one in saved),
-        "version of grainfit": tuple(one.version or _ABSENT for one in saved),
+        "version of grainfit": tuple(one.version or ABSENT for one in saved),
         "strategy": tuple(one.strategy for one in saved),
         "seed": tuple(str(one.seed) for one in saved),
     }
@@ -260,7 +189,7 @@ def _solvers(one: SavedCalibration) -> str:
 def _diameters(one: SavedCalibration) -> str:
     of_tests = (test.sizes for test in bulk_tests_of(one).values())
     sizes = next(of_tests, one.sizes)
-    return _ABSENT if sizes is None else sizes.words
+    return ABSENT if sizes is None else sizes.words
 
 
 def _file_differences(saved: Sequence[SavedCalibration]) -> Iterator[str]:

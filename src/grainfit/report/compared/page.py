@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import log
 from pathlib import Path
 
 from grainfit.files import write_atomically
 from grainfit.formatting import plain
-from grainfit.plots.labels import Label, label_of_parameter, label_of_response
+from grainfit.plots.labels import Label, label_of_parameter, response_label
 from grainfit.report.package_page import package_page
 from grainfit.verdict.messages import state_name
-from grainfit.work_folder.comparison import ComparedRow, ComparedValue, Comparison
+from grainfit.work_folder.compared_rows import ComparedResponse, ComparedRow, ComparedValue
+from grainfit.work_folder.comparison import Comparison
 from grainfit.work_folder.saved_calibration import SavedCalibration
 
 #: Ends of intervals whose ratio is larger are drawn on a logarithmic scale.
@@ -34,6 +36,20 @@ class Bar:
     target: tuple[float, float] | None
 
 
+_Row = tuple[Label, str, list[Bar | None]]
+_EXPECTED = (
+    "Bars are the expected {} with their 95 % intervals, the band behind a bar is the measured "
+    "value with its {}."
+)
+#: Title of a table, with what its bars are.
+_TOLD = {
+    "Parameters": "Bars are 95 % intervals, marks the values; values differ if intervals of theirs "
+    "are apart.",
+    "Responses": _EXPECTED.format("responses", "tolerance"),
+    "Yield loci": _EXPECTED.format("values", "95 % interval"),
+}
+
+
 def write_compared_page(found: Comparison, saved: Sequence[SavedCalibration], path: Path) -> None:
     """Write the page of a comparison: one file that works offline.
 
@@ -46,26 +62,33 @@ def write_compared_page(found: Comparison, saved: Sequence[SavedCalibration], pa
     path : Path
         The file to write.
     """
+    labels = {
+        "Parameters": [_label(saved, row.name) for row in found.parameters],
+        "Responses": [_label_of_response(row) for row in found.responses],
+        "Yield loci": [_label_of_response(row) for row in found.yield_loci],
+    }
+    every = zip(labels, (found.parameters, found.responses, found.yield_loci), strict=True)
     tables = [
-        (
-            title,
-            [(_label(saved, row.name, make), row.verdict, _bars(found.names, row)) for row in rows],
-        )
-        for title, rows, make in (
-            ("Parameters", found.parameters, label_of_parameter),
-            ("Responses", found.responses, label_of_response),
-        )
+        (title, _TOLD[title], list(map(partial(_drawn, found.names), labels[title], rows)))
+        for title, rows in every
+        if rows
     ]
     states = [plain(state_name(state)) for state in found.states]
     page = package_page("grainfit.report.compared", found=found, states=states, tables=tables)
     write_atomically(path, page)
 
 
-def _label(
-    saved: Sequence[SavedCalibration], name: str, make: Callable[[SavedCalibration, str], Label]
-) -> Label:
-    labels = [make(one, name) for one in saved]
+def _label(saved: Sequence[SavedCalibration], name: str) -> Label:
+    labels = [label_of_parameter(one, name) for one in saved]
     return max(labels, key=lambda label: len(label.unit))
+
+
+def _label_of_response(row: ComparedResponse) -> Label:
+    return response_label(row.name, next(one.unit for one in row.values if one is not None))
+
+
+def _drawn(names: Sequence[str], label: Label, row: ComparedRow) -> _Row:
+    return label, row.verdict, _bars(names, row)
 
 
 def _bars(names: Sequence[str], row: ComparedRow) -> list[Bar | None]:
