@@ -157,6 +157,24 @@ def test_curve_calibration_opens_again_with_figures_and_report(
 
 
 @pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
+def test_no_entry_of_a_legend_is_cut_off_on_a_phone(
+    finished: tuple[Result, Path], tmp_path: Path
+) -> None:
+    path = write_report(finished[1], tmp_path / "curves.html")
+    right = "all => all.map((one) => one.getBoundingClientRect().right)"
+    with chromium.browser() as browser:
+        page = browser.new_page(viewport={"width": 375, "height": 800})
+        page.goto(path.as_uri())
+        page.evaluate("document.querySelectorAll('details').forEach((one) => (one.open = true))")
+        figure = page.locator("[data-figure='curves-0']")
+        entries = figure.locator(".legendtext")
+        entries.first.wait_for()
+        [edge] = figure.evaluate_all(right)
+        assert entries.count() == 5
+        assert max(entries.evaluate_all(right)) <= edge
+
+
+@pytest.mark.skipif(chromium.EXECUTABLE is None, reason="Chromium is not installed")
 def test_report_with_curves_breaks_no_rule_of_accessibility(
     finished: tuple[Result, Path], tmp_path: Path
 ) -> None:

@@ -471,6 +471,20 @@ def test_two_parameters_print_on_few_pages_with_a_surface_of_each_response(
         assert len(re.findall(rb"/Type\s*/Page[^s]", printed)) <= 8
 
 
+def test_axes_keep_a_height_on_paper(browser: Browser, report: Callable[[str], Report]) -> None:
+    axes = "all => all.map((one) => Math.round(one.getBoundingClientRect().height))"
+    with opened(browser, report("two_parameters").path) as found:
+        found.page.evaluate(UNFOLD)
+        shown = found.page.locator("#convergence .figure .nsewdrag")
+        before = shown.evaluate_all(axes)
+        found.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        printed = shown.evaluate_all(axes)
+        found.page.evaluate("dispatchEvent(new Event('afterprint'))")
+        assert len(before) > 1
+        assert min(printed) >= 150
+        assert shown.evaluate_all(axes) == before
+
+
 def test_the_answer_is_read_without_scrolling(usual: Opened) -> None:
     usual.page.evaluate("for (const one of document.querySelectorAll('details')) one.open = false")
     box = usual.page.locator("#answer").evaluate("(one) => one.getBoundingClientRect().toJSON()")

@@ -68,7 +68,7 @@ def _figure(saved: SavedCalibration, analysis: Analysis, target: CurveTarget) ->
     shown = [*target.values]
     if agreeing is not None:
         low, high = (ends.tolist() for ends in agreeing)
-        name = "expected curves that agree with the measurements (95 %)"
+        name = "95 % of the expected curves"
         traces.append(band(places, low, high, name))
         shown += low + high
     traces += _simulated(saved, target, verified=True)

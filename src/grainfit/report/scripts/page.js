@@ -147,6 +147,19 @@
     width: element.clientWidth,
     height: Math.max(FLATTEST, FLATTER * heights.get(element)),
   });
+  // Legend and titles keep their heights on paper: what is left must do for the axes.
+  const LEAST_AXES = 150;
+  const fitPaper = (element) => {
+    const { width, height } = sizeOnPaper(element);
+    // As high as on the screen first: in a flat figure, Plotly squeezes what is around the axes.
+    const whole = heights.get(element);
+    window.Plotly.relayout(element, { width, height: whole });
+    const axes = element._fullLayout._size.h;
+    window.Plotly.relayout(element, {
+      width,
+      height: Math.max(height, Math.min(whole, whole - axes + LEAST_AXES)),
+    });
+  };
 
   window.grainfitDraw = (element, figure) => {
     const height = figure.height ?? (Number.parseFloat(element.style.minHeight) || 420);
@@ -255,7 +268,7 @@
     repaint();
     for (const element of drawn) {
       if (element.clientWidth) {
-        window.Plotly.relayout(element, sizeOnPaper(element));
+        fitPaper(element);
       }
     }
   });
