@@ -41,11 +41,12 @@ _ANGLE = "internal_friction_angle"
 #: Last snapshot of a run, and its picture.
 _LAST, _PICTURE = "sheared", "shear.png"
 _USUAL_APPARATUS = VariedOptions(
-    "length",
+    "gap",
     Range(0.85, 1.6, power=-1),
     values={"inertial_number": Range(0.005, 0.05, power=0)},
     loads={"normal_stress": Range(1.0, 200.0, power=0)},
-    indifferent=("transient_strain", "averaged_strain"),
+    # The bed repeats along the shear and across it.
+    indifferent=("transient_strain", "averaged_strain", "length", "depth"),
 )
 
 

@@ -92,14 +92,23 @@ def preshear_stress(checked: CheckedTest[Any]) -> Iterator[Found]:
 
 
 _USUAL_APPARATUS = VariedOptions(
-    "length",
+    "gap",
     Range(0.88, 1.4, power=-1),
     values={"inertial_number": Range(0.005, 0.05, power=0)},
     # The weight of the bed is nothing beside a large stress, which is the limit.
     loads={"normal_stress": Range(5.0, 500.0, power=-0.5)},
     per_load=("cohesion", "unconfined_strength", "major_consolidation_stress"),
-    # A dry material fails along a straight line: any of its points tell the same.
-    indifferent=("transient_strain", "lowest_stress", "highest_stress", "points", "cycles"),
+    indifferent=(
+        "transient_strain",
+        # The bed repeats along the shear and across it.
+        "length",
+        "depth",
+        # A dry material fails along a straight line: any of its points tell the same.
+        "lowest_stress",
+        "highest_stress",
+        "points",
+        "cycles",
+    ),
 )
 
 
