@@ -146,7 +146,7 @@ def _of_little_friction(angle: float) -> gf.Estimate:
 
 
 def test_a_value_that_intervals_just_miss_is_named_with_the_end_that_keeps_it() -> None:
-    reached, missed = _of_little_friction(12.0), _of_little_friction(15.0)
+    reached, missed = _of_little_friction(12.0), _of_little_friction(16.0)
 
     assert not messages.BEYOND_BOUND.is_in(str(reached))
     assert messages.BEYOND_BOUND.is_in(str(missed))
