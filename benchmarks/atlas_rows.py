@@ -64,9 +64,14 @@ def point(stratum: Stratum, number: int) -> dict[str, float]:
     return {name: _rounded(span.at(share), _DIGITS) for (name, span), share in pairs}
 
 
-def made(stratum: Stratum, number: int, solver_name: str = REFERENCE) -> Row:
-    """Simulate a row of a stratum."""
-    inputs, seed = point(stratum, number), number + 1
+def made(
+    stratum: Stratum,
+    number: int,
+    solver_name: str = REFERENCE,
+    inputs: Mapping[str, float] | None = None,
+) -> Row:
+    """Simulate a row of a stratum, at its point of the design or at inputs that it has already."""
+    inputs, seed = inputs or point(stratum, number), number + 1
     try:
         test, material = stratum.simulated(inputs)
         solver = DEM_PROGRAMS[solver_name](test, material)
@@ -123,22 +128,27 @@ def grow(
         rows so far: no heap of particles that roll away is another row of none.
     """
     numbers = likely_points(stratum, rows_in(path), range(count), least_chance)
-    yield from _make(stratum, path, numbers, processes, solver)
-    points = [row.point for row in rows_in(path) if row.responses and not row.is_repeat]
-    again = [REPEATS + one for one in points[:repeats]]
+    points = {number: point(stratum, number) for number in numbers}
+    yield from _make(stratum, path, points, processes, solver)
+    rows = [row for row in rows_in(path) if row.responses and not row.is_repeat]
+    again = {REPEATS + row.number: row.inputs for row in rows[:repeats]}
     yield from _make(stratum, path, again, processes, solver)
 
 
 def _make(
-    stratum: Stratum, path: Path, numbers: Sequence[int], processes: int, solver: str
+    stratum: Stratum,
+    path: Path,
+    wanted: Mapping[int, Mapping[str, float]],
+    processes: int,
+    solver: str,
 ) -> Iterator[Row]:
-    """Make the rows of numbers that are missing, and yield each when it is kept."""
+    """Make the rows that are missing, inputs by number, and yield each when it is kept."""
     known = {row.number for row in rows_in(path) if is_of_today(stratum, row)}
-    missing = [number for number in numbers if number not in known]
+    missing = {number: inputs for number, inputs in wanted.items() if number not in known}
     with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
         # A line that was cut off must not swallow the next one.
         file.write("\n" if file.tell() else "")
-        waiting = [pool.submit(made, stratum, number, solver) for number in missing]
+        waiting = [pool.submit(made, stratum, n, solver, inputs) for n, inputs in missing.items()]
         try:
             for done in as_completed(waiting):
                 row = done.result()

@@ -41,7 +41,9 @@ def _installed(atlas: Atlas) -> str:
 
 
 def _made(one: Sentinel) -> dict[str, Any]:
-    return {"row": made(strata()[one.stratum], one.number).to_text()}
+    surrogate = Atlas().require(one.stratum)
+    [inputs] = [row.inputs for row in surrogate.rows if row.number == one.number]
+    return {"row": made(strata()[one.stratum], one.number, inputs=inputs).to_text()}
 
 
 def main() -> None:

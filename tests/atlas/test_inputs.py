@@ -78,6 +78,15 @@ def test_rows_are_those_of_the_apparatus_that_is_most_like_it(test: BulkTest, na
     assert _reading(test).stratum.name == name
 
 
+def test_the_speed_of_a_drum_is_that_of_its_froude_number() -> None:
+    small, large = (
+        _reading(gf.tests.Drum(diameter="10 mm", drum_radius=one)).inputs(_material())
+        for one in ("80 mm", "800 mm")
+    )
+
+    assert large["rotational_speed"] == pytest.approx(small["rotational_speed"])
+
+
 def test_what_differs_is_named_beside_the_most_similar_apparatus() -> None:
     smooth_disc = gf.tests.Heap(diameter="10 mm", base="disc")
 

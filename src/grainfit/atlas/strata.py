@@ -216,7 +216,8 @@ class Stratum:
         values = usual.resolved_options()
         factors = {**varied.wider, **{name: inputs[name] for name in varied.factors}}
         for name, factor in factors.items():
-            options[name] = factor * options.get(name, values[name])
+            grown = inputs[SIZE] ** varied.factor_powers.get(name, 0.0)
+            options[name] = factor * grown * options.get(name, values[name])
         options |= {name: _whole(span, inputs[name]) for name, span in varied.values.items()}
         return options | {name: inputs[name] * scale.of("Pa") for name in varied.loads}
 

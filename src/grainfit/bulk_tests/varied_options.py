@@ -93,6 +93,8 @@ class VariedOptions(OneLine):
         Power of the size that the option follows: 3 of a volume.
     factors : mapping of str to Range
         Options over their usual value at this size.
+    factor_powers : mapping of str to float
+        Powers of the size that their usual values follow, where `at_size` leaves them out.
     bounded : tuple of str
         Those of them that bend responses so much that nothing is told beyond their range.
     values : mapping of str to Range
@@ -127,6 +129,7 @@ class VariedOptions(OneLine):
     title: str = ""
     size_power: float = 1.0
     factors: Mapping[str, Range] = field(default_factory=dict)
+    factor_powers: Mapping[str, float] = field(default_factory=dict)
     bounded: tuple[str, ...] = ()
     values: Mapping[str, Range] = field(default_factory=dict)
     loads: Mapping[str, Range] = field(default_factory=dict)

@@ -68,6 +68,8 @@ _USUAL_APPARATUS = VariedOptions(
     "drum_radius",
     Range(0.75, 1.6, power=-1),
     factors={"rotational_speed": Range(0.4, 2.5, power=0)},
+    # The usual speed is that of a Froude number.
+    factor_powers={"rotational_speed": -0.5},
     bounded=("rotational_speed",),
     values={"fill_level": Range(0.25, 0.5)},
     indifferent=("drum_length", "discarded_turns", "averaged_turns", "froude_number"),
