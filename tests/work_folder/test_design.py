@@ -224,7 +224,7 @@ def test_tests_that_are_not_those_of_the_file_are_sized_for_enlarged_particles(p
     for why in re.findall(r"Not compared: \w+\. ([^.]*\.)", found):
         assert why == messages.NOT_IN_ATLAS()
     assert messages.SIZED_FOR_PARTICLES.is_in(
-        found, tests="drum, funnel, hopper, packing, shear and tapped"
+        found, tests="drum, funnel, hopper, packing, shear, shear_cell and tapped"
     )
     assert messages.SIZED_FOR_PARTICLES.is_in(found, factor=2.5)
 
@@ -250,7 +250,7 @@ def test_a_candidate_that_would_arch_is_left_out_before_any_run(plan: Path) -> N
     found = " ".join(str(gf.design(plan)).split())
     arches = of_shared.ENLARGED_PARTICLES_ARCH.matching(opening="a slot", width=0.125, times=2.59)
     assert re.search(rf"Not compared: discharge\. slot_width: {arches}", found)
-    assert "packing, shear and tapped: their apparatus" in found
+    assert "packing, shear, shear_cell and tapped: their apparatus" in found
 
 
 @pytest.mark.slow

@@ -27,6 +27,8 @@ _ANGLE = "deg"
 _SETS = 3
 #: Standard uncertainty of what a trend adds beyond the rows, over it.
 _UNSURE_FORM = 0.5
+#: Fewest pairs of a row and its repeat that tell the scatter of a run.
+_FEWEST_PAIRS = 12
 #: Least and largest chance that a run has a response.
 _LEAST, _MOST = 0.02, 0.98
 
@@ -61,10 +63,12 @@ class ResponseModel:
         rows: Sequence[Row],
         chance: Kriging,
         own: int | None = None,
+        repeats: Sequence[Row] = (),
     ) -> ResponseModel:
         """Fit the metamodel of a response to rows at points of the unit cube.
 
-        Its inflation is that of the first ``own`` rows alone.
+        Its inflation is that of the first ``own`` rows alone. Repeats of them, if there are enough,
+        tell how much of what a row is off is no scatter of its run.
         """
         has = _has(name, rows)
         values, errors = row_values(stratum, name, rows)
@@ -74,8 +78,17 @@ class ResponseModel:
             values, errors = np.log(values), errors / values
         stated = errors if (errors > 0).all() else None
         kriging = Kriging.fit(points[has], values, standard_errors=stated).reduced(_SETS)
-        squares = kriging.standardised_residuals()[: has[:own].sum()] ** 2
-        return cls(kriging, is_logarithm, chance, max(1.0, float(squares.mean())))
+        count = int(has[:own].sum())
+        differences = _differences(stratum, name, rows[:own], repeats, is_logarithm=is_logarithm)
+        if len(differences) < _FEWEST_PAIRS:
+            inflation = float((kriging.standardised_residuals()[:count] ** 2).mean())
+        else:
+            check = kriging.leave_one_out()
+            off = (kriging.values - check.predicted)[:count]
+            expected = check.standard_deviation[:count] ** 2 - kriging.noise_standard_deviation**2
+            scatter = float((differences**2).mean()) / 2
+            inflation = (float((off**2).mean()) - scatter) / float(expected.mean())
+        return cls(kriging, is_logarithm, chance, max(1.0, inflation))
 
     @classmethod
     def from_plain(
@@ -209,19 +222,22 @@ class Surrogate:
         plain: Mapping[str, Any] | None = None,
     ) -> None:
         self.rows = tuple(rows)
-        rows = [*rows, *stratum.with_limit(dry)]
+        repeats = [row for row in rows if row.is_repeat]
+        own = [row for row in rows if not row.is_repeat]
+        # A metamodel of pairs follows each of them, and is rough in between.
+        rows = [*own, *stratum.with_limit([row for row in dry if not row.is_repeat])]
         self.models: dict[str, ResponseModel] = {}
         self._has: dict[str, NDArray[np.bool_]] = {}
         self._chances: dict[bytes, Kriging] = {}
         points = points_of(rows, stratum.ranges)
         for name in stratum.kind.responses:
             has = _has(name, rows)
-            if has.sum() < FEWEST_ROWS or has[: len(self.rows)].sum() < FEWEST_OWN:
+            if has.sum() < FEWEST_ROWS or has[: len(own)].sum() < FEWEST_OWN:
                 continue
             given = stratum, name, points, rows
             if plain is None:
                 chance = self._chance(has, points, None)
-                model = ResponseModel.fit(*given, chance, len(self.rows))
+                model = ResponseModel.fit(*given, chance, len(own), repeats)
             else:
                 one = plain[name]
                 chance = self._chance(has, points, plain["chances"][one["chance"]])
@@ -293,6 +309,26 @@ def row_values(stratum: Stratum, name: str, rows: Sequence[Row]) -> tuple[Array,
     ]
     values, errors = np.array(found).T
     return values, errors
+
+
+def _differences(
+    stratum: Stratum,
+    name: str,
+    rows: Sequence[Row],
+    repeats: Sequence[Row],
+    *,
+    is_logarithm: bool,
+) -> Array:
+    """Return how far repeats are from the rows that they repeat, as the metamodel has them."""
+    first = {row.number: row for row in rows if name in row.responses}
+    again = [row for row in repeats if name in row.responses and row.point in first]
+    if not again:
+        return np.array([])
+    values = [
+        row_values(stratum, name, some)[0] for some in (again, [first[r.point] for r in again])
+    ]
+    one, other = map(np.log, values) if is_logarithm else values
+    return np.asarray(one - other)
 
 
 def points_of(rows: Sequence[Row], ranges: Mapping[str, Range]) -> Array:
