@@ -71,7 +71,7 @@ def _setup(folder: Path, atlas: str = "true", angle: str = "30 deg") -> gf.Calib
 
 
 def test_the_search_begins_in_the_intervals_of_the_estimate(tmp_path: Path) -> None:
-    flat, steep = (_setup(tmp_path, angle=angle).expected for angle in ("15 deg", "37 deg"))
+    flat, steep = (_setup(tmp_path, angle=angle).expected for angle in ("18 deg", "37 deg"))
 
     assert set(flat) == set(steep) == {SLIDING, ROLLING}
     assert flat[ROLLING][1] < 1.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot, log, sqrt
@@ -89,7 +88,7 @@ def test_a_heap_says_nothing_of_restitution_and_wall_friction(
     [note] = found.notes
     assert note.startswith(f"{parameter.name} will not be determined by heap. To determine it: ")
     assert remedy in note
-    assert found.narrowing[parameter.name] > 0.9
+    assert found.narrowing[parameter.name] > 0.95
 
 
 def test_a_modulus_needs_compression() -> None:
@@ -180,7 +179,7 @@ def test_a_parameter_of_which_the_atlas_does_not_tell_does_not_count_as_known(
     assert "Even if it was known, " in untold
     assert messages.SHARE_KEPT.is_in(untold, name=SLIDING.name)
     assert f"To determine {parameter.name}: {remedy}" in untold
-    assert re.search(r"while particle.density is free: at least (8\d|9\d) %", frictions)
+    assert "while particle.density is free: at least 8" in frictions
     # Nothing more is said of what would stay open where only its effect is not known.
     _, alone = expected(parameter, test=PELLETS).notes
     assert "Even if" not in alone
