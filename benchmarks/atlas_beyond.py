@@ -58,7 +58,8 @@ def _followed(stratum: Stratum) -> dict[str, bool]:
 def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array, Array]:
     """Return errors of the rows of either half by the other, and their standard deviations."""
     stratum, surrogate = strata()[name], atlas.require(name)
-    rows = [row for row in surrogate.rows if response in row.responses]
+    every = [row for row in surrogate.rows if not row.is_repeat]
+    rows = [row for row in every if response in row.responses]
     ranges = stratum.ranges
     points, column = points_of(rows, ranges), list(ranges).index(option)
     values, _ = row_values(stratum, response, rows)
@@ -73,7 +74,7 @@ def _errors(atlas: Atlas, name: str, option: str, response: str) -> tuple[Array,
         if known.sum() < FEWEST_ROWS or known.all():
             continue
         of_half = [row for row, is_known in zip(rows, known, strict=True) if is_known]
-        model = ResponseModel.fit(stratum.kind, response, at[known], of_half, whole.chance)
+        model = ResponseModel.fit(stratum, response, at[known], of_half, whole.chance)
         others = at[~known]
         mean, variance = (
             model.predict(others) if option in followed else model.predict_beyond(others, [column])

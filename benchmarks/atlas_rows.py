@@ -22,10 +22,10 @@ from scipy.stats import qmc
 from grainfit.arrays import Array
 from grainfit.atlas.differences import FEWEST_PAIRS, REFERENCE, Difference, difference
 from grainfit.atlas.expectation import relative_scatter
-from grainfit.atlas.row import REPEATS, Row, point_of, rows_in
+from grainfit.atlas.row import REPEATS, Row, rows_in
 from grainfit.atlas.shelf import CONTENTS, SHIPPED, hash_of, models_of, revision_of, rows_of
 from grainfit.atlas.strata import ROW_SCALE, Stratum, strata
-from grainfit.atlas.surrogate import FEWEST_OWN, FEWEST_ROWS, Surrogate, points_of
+from grainfit.atlas.surrogate import FEWEST_OWN, FEWEST_ROWS, Surrogate, points_of, shares_of
 from grainfit.errors import GrainfitError, InputError
 from grainfit.evaluation import scalars
 from grainfit.files import write_atomically
@@ -57,8 +57,8 @@ def point(stratum: Stratum, number: int) -> dict[str, float]:
     """
     ranges = stratum.ranges
     sequence = qmc.Sobol(len(ranges), seed=_SCRAMBLING)
-    if at := point_of(number):
-        sequence.fast_forward(at)
+    if number:
+        sequence.fast_forward(number)
     shares = sequence.random(1)[0]
     pairs = zip(ranges.items(), shares, strict=True)
     return {name: _rounded(span.at(share), _DIGITS) for (name, span), share in pairs}
@@ -127,9 +127,9 @@ def grow(
         Points are left for later at which a run has a response with less chance than this, by the
         rows so far: no heap of particles that roll away is another row of none.
     """
-    numbers = likely_points(stratum, rows_in(path), range(count), least_chance)
-    points = {number: point(stratum, number) for number in numbers}
-    yield from _make(stratum, path, points, processes, solver)
+    design = {number: point(stratum, number) for number in range(count)}
+    likely = likely_points(stratum, rows_in(path), design, least_chance)
+    yield from _make(stratum, path, likely, processes, solver)
     rows = [row for row in rows_in(path) if row.responses and not row.is_repeat]
     again = {REPEATS + row.number: row.inputs for row in rows[:repeats]}
     yield from _make(stratum, path, again, processes, solver)
@@ -161,17 +161,18 @@ def _make(
 
 
 def likely_points(
-    stratum: Stratum, rows: Sequence[Row], numbers: Sequence[int], least: float
-) -> list[int]:
-    """Return the points at which a run has a response with this chance, by some rows."""
+    stratum: Stratum,
+    rows: Sequence[Row],
+    design: Mapping[int, Mapping[str, float]],
+    least: float,
+) -> Mapping[int, Mapping[str, float]]:
+    """Return the points, inputs by number, at which a run has a response with this chance."""
     if len(rows) < FEWEST_ROWS or least == 0:
-        return list(numbers)
+        return design
     has = np.array([float(bool(row.responses)) for row in rows])
     chance = Kriging.fit(points_of(rows, stratum.ranges), has, linear_trend=False)
-    inputs = [point(stratum, number) for number in numbers]
-    points = [[float(span.share(one[n])) for n, span in stratum.ranges.items()] for one in inputs]
-    found = chance.mean(np.array(points))
-    return [number for number, share in zip(numbers, found, strict=True) if share >= least]
+    found = chance.mean(shares_of(design.values(), stratum.ranges))
+    return {n: design[n] for n, share in zip(design, found, strict=True) if share >= least}
 
 
 def left_out_in_turn(

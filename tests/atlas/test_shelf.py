@@ -91,15 +91,14 @@ def test_points_without_a_response_are_left_for_later() -> None:
         replace(row, responses={} if sliding.share(row.inputs[SLIDING]) < 0.5 else row.responses)
         for row in known
     ]
+    design = {number: point(stratum, number) for number in range(1000, 1064)}
 
-    likely = likely_points(stratum, rows, range(1000, 1064), 0.5)
+    likely = likely_points(stratum, rows, design, 0.5)
 
-    shares = {
-        number: sliding.share(point(stratum, number)[SLIDING]) for number in range(1000, 1064)
-    }
+    shares = {number: sliding.share(inputs[SLIDING]) for number, inputs in design.items()}
     assert all(shares[number] > 0.4 for number in likely)
     assert {number for number, share in shares.items() if share > 0.6} <= {*likely}
-    assert likely_points(stratum, rows, range(8), 0.0) == [*range(8)]
+    assert [*likely_points(stratum, rows, {number: {} for number in range(8)}, 0.0)] == [*range(8)]
 
 
 def test_a_row_is_left_out_together_with_its_repeat() -> None:

@@ -27,7 +27,7 @@ from grainfit.bulk_tests.parameter_names import (
 )
 from grainfit.bulk_tests.shared.part_friction import AS_PARTICLES
 from grainfit.bulk_tests.stiffness import stiffness_number
-from grainfit.bulk_tests.varied_options import NUMERICAL
+from grainfit.bulk_tests.varied_options import NUMERICAL, Range
 from grainfit.contact_models.registry import contact_law
 from grainfit.errors import InputError
 from grainfit.formatting import in_a_row, number
@@ -143,21 +143,23 @@ class Reading:
 
     def inputs(self, material: Mapping[str, Any]) -> dict[str, Any]:
         """Return the inputs of a material, or of arrays of materials, by name."""
-        test, varied = self.test, self.stratum.varied
-        options = test.resolved_options()
+        values = self.stratum.varied.values
         return {
             **{name: self._of_material(name, material) for name in self.stratum.particles.material},
-            STIFFNESS: stiffness_number(test, material),
+            STIFFNESS: stiffness_number(self.test, material),
             **self._apparatus,
-            **{name: self._as_number(name, options[name], material) for name in varied.values},
+            **{name: self._as_number(name, self._options[name], material) for name in values},
             **self._loads(material[DENSITY]),
         }
 
+    @cached_property
+    def _options(self) -> Mapping[str, Any]:
+        return self.test.resolved_options()
+
     def _loads(self, density: Any) -> dict[str, Any]:
         """Return stresses over the weight of a particle on its cross-section."""
-        options = self.test.resolved_options()
         weight = self._natural("Pa", density)
-        return {name: options[name] / weight for name in self.stratum.varied.loads}
+        return {name: self._options[name] / weight for name in self.stratum.varied.loads}
 
     def _of_material(self, name: str, material: Mapping[str, Any]) -> Any:
         # A test without walls has no parameters of one.
@@ -246,7 +248,7 @@ class Reading:
         """Yield a sentence for every one of them that is beyond the rows."""
         for name in self._chosen:
             span, value = self.ranges[name], self._apparatus[name]
-            if not -_SAME <= span.share(value) <= 1 + _SAME:
+            if not _has(span, value):
                 yield messages.LESS_SURE(name=name, value=value, low=span.low, high=span.high)
 
 
@@ -379,9 +381,14 @@ def _apparatus(stratum: Stratum, test: BulkTest) -> _Apparatus:
         for name, value in given.items()
         if name not in told and not _is_same(value, alike[name])
     ]
-    shares = [span.share(given[n]) for n, span in varied.values.items() if _is_number(given[n])]
-    beyond = sum(not -_SAME <= share <= 1 + _SAME for share in shares)
+    numbers = [(span, given[n]) for n, span in varied.values.items() if _is_number(given[n])]
+    beyond = sum(not _has(span, value) for span, value in numbers)
     return _Apparatus({name: usual[name] for name in (SIZE, *varied.factors)}, other, beyond)
+
+
+def _has(span: Range, value: float) -> bool:
+    """Return whether the rows have a value, or one that is hardly beyond them."""
+    return bool(-_SAME <= span.share(value) <= 1 + _SAME)
 
 
 def _is_number(value: Any) -> bool:

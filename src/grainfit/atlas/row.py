@@ -49,12 +49,12 @@ class Row:
     @property
     def point(self) -> int:
         """Number of the point of the design."""
-        return point_of(self.number)
+        return self.number - REPEATS if self.is_repeat else self.number
 
     @property
     def is_repeat(self) -> bool:
         """Whether it repeats another row with another seed."""
-        return self.point != self.number
+        return REPEATS <= self.number < 2 * REPEATS
 
     def to_text(self) -> str:
         """Return the row as a line of JSON."""
@@ -77,11 +77,6 @@ class Row:
         responses = {n: (float(v), float(e)) for n, (v, e) in plain["responses"].items()}
         inputs = {name: float(value) for name, value in plain["inputs"].items()}
         return cls(**{**plain, "inputs": inputs, "responses": responses})
-
-
-def point_of(number: int) -> int:
-    """Return the point of the design that a row is of."""
-    return number - REPEATS if REPEATS <= number < 2 * REPEATS else number
 
 
 def rows_in(path: Path) -> list[Row]:

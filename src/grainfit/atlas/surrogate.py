@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -333,8 +333,13 @@ def _differences(
 
 def points_of(rows: Sequence[Row], ranges: Mapping[str, Range]) -> Array:
     """Return the rows as points of the unit cube, shape (rows, inputs)."""
+    return shares_of((row.inputs for row in rows), ranges)
+
+
+def shares_of(every: Iterable[Mapping[str, float]], ranges: Mapping[str, Range]) -> Array:
+    """Return inputs as points of the unit cube, shape (points, inputs)."""
     return np.array(
-        [[float(span.share(row.inputs[name])) for name, span in ranges.items()] for row in rows]
+        [[float(span.share(one[name])) for name, span in ranges.items()] for one in every]
     )
 
 
