@@ -42,6 +42,11 @@ def unit_for_people(unit: str) -> str:
     return _POWER.sub(lambda power: str(int(power[1])).translate(_SUPERSCRIPTS), plain(unit))
 
 
+def as_sentence(words: str) -> str:
+    """Return words with a capital letter at their beginning; other letters stay."""
+    return words[:1].upper() + words[1:]
+
+
 def with_unit(shown: str, unit: str) -> str:
     """Return a formatted number with its unit.
 

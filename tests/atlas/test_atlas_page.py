@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 from typer.testing import CliRunner
 
 from benchmarks import chromium
@@ -67,44 +68,45 @@ def test_the_page_shows_what_the_package_predicts(tmp_path: Path) -> None:
     assert float(texts["bulk density"].split()[0]) == pytest.approx(density * DENSITY, rel=0.01)
 
 
-@CHROMIUM
-def test_the_page_shows_no_impossible_numbers(tmp_path: Path) -> None:
+@pytest.fixture
+def page(tmp_path: Path) -> Iterator[Page]:
+    """Open the page of the shipped atlas."""
     path = tmp_path / "atlas.html"
     path.write_text(atlas_page(Atlas()), encoding="utf-8")
     with chromium.browser() as browser:
-        page = browser.new_page()
-        page.goto(path.as_uri())
-        heads = page.locator("#atlas-charts h2")
-        for slider in page.locator("#atlas-sliders input").all():
-            slider.press("Home")
-        # Smooth spheres that roll freely: the interval of the metamodel goes on below zero.
-        expect(heads.nth(1)).to_contain_text(re.compile("angle of repose: 0.*°, 95\u00a0% 0.0 to"))
-        for given in ("0", "-1", "", "3,5", "2 mm"):
-            page.fill("#atlas-diameter", given)
-            expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "true")
-            expect(heads).to_have_count(0)
-            expect(page.locator("#atlas-charts")).to_contain_text("particle diameter")
-            page.fill("#atlas-diameter", "2")
-            expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "false")
-            expect(heads).not_to_have_count(0)
+        opened = browser.new_page()
+        opened.goto(path.as_uri())
+        yield opened
 
 
 @CHROMIUM
-def test_values_have_the_digits_of_their_interval_and_stay_in_another_test(tmp_path: Path) -> None:
-    path = tmp_path / "atlas.html"
-    path.write_text(atlas_page(Atlas()), encoding="utf-8")
-    with chromium.browser() as browser:
-        page = browser.new_page()
-        page.goto(path.as_uri())
-        heads = page.locator("#atlas-charts h2")
-        for head in heads.all_inner_texts():
-            value, low, high = (
-                float(one) for one in re.findall(r"-?\d+\.?\d*", head.replace("95", "", 1))
-            )
-            assert low < value < high, head
-        first = page.locator("#atlas-sliders input").first
-        shown = page.locator("#atlas-sliders output").first
-        first.press("End")
-        expect(shown).to_have_text("1.5")
-        page.select_option("#atlas-test", "1")
-        expect(shown).to_have_text("1.5")
+def test_the_page_shows_no_impossible_numbers(page: Page) -> None:
+    heads = page.locator("#atlas-charts h2")
+    for slider in page.locator("#atlas-sliders input").all():
+        slider.press("Home")
+    # Smooth spheres that roll freely: the interval of the metamodel goes on below zero.
+    expect(heads.nth(1)).to_contain_text(re.compile("angle of repose: 0.*°, 95\u00a0% 0.0 to"))
+    for given in ("0", "-1", "", "3,5", "2 mm"):
+        page.fill("#atlas-diameter", given)
+        expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "true")
+        expect(heads).to_have_count(0)
+        expect(page.locator("#atlas-charts")).to_contain_text("particle diameter")
+        page.fill("#atlas-diameter", "2")
+        expect(page.locator("#atlas-diameter")).to_have_attribute("aria-invalid", "false")
+        expect(heads).not_to_have_count(0)
+
+
+@CHROMIUM
+def test_values_have_the_digits_of_their_interval_and_stay_in_another_test(page: Page) -> None:
+    heads = page.locator("#atlas-charts h2")
+    for head in heads.all_inner_texts():
+        value, low, high = (
+            float(one) for one in re.findall(r"-?\d+\.?\d*", head.replace("95", "", 1))
+        )
+        assert low < value < high, head
+    first = page.locator("#atlas-sliders input").first
+    shown = page.locator("#atlas-sliders output").first
+    first.press("End")
+    expect(shown).to_have_text("1.5")
+    page.select_option("#atlas-test", "1")
+    expect(shown).to_have_text("1.5")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from grainfit.calibration import messages
 from grainfit.calibration.failed_runs import fail_by_machine, would_all_fail
 from grainfit.evaluation import Evaluation, Proposal
-from grainfit.formatting import causes
+from grainfit.formatting import as_sentence, causes
 
 if TYPE_CHECKING:
     # Imports the store, which a calibration file is read without.
@@ -115,7 +115,7 @@ def _why_hopeless(ended: Sequence[Evaluation], needed: Collection[str]) -> str:
     """Return why more runs would fail as well; "" if they may not."""
     if latest := fail_by_machine(ended):
         why = "; ".join(latest[-1].failures.values())
-        return _sentence(messages.MACHINE_FAILS(runs=len(latest), why=why))
+        return as_sentence(messages.MACHINE_FAILS(runs=len(latest), why=why))
     given = {name for one in ended for name in one.response_names}
     missing = sorted(set(needed) - given) if needed else [] if given else ["responses"]
     if not missing or not would_all_fail(ended):
@@ -125,7 +125,3 @@ def _why_hopeless(ended: Sequence[Evaluation], needed: Collection[str]) -> str:
     why = "; ".join(reasons) or messages.RESPONSES_MISSING(found=found)
     shown = {"runs": len(ended), "responses": ", ".join(missing), "why": why}
     return messages.HOLDOUT_GIVEN_UP(**shown)
-
-
-def _sentence(words: str) -> str:
-    return words[0].upper() + words[1:]

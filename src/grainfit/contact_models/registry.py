@@ -15,6 +15,7 @@ from grainfit.contact_models.linear.contact_model import LINEAR
 from grainfit.contact_models.sjkr.contact_model import SJKR
 from grainfit.contact_models.sjkr2.contact_model import SJKR2
 from grainfit.errors import Fault, InputError
+from grainfit.formatting import as_sentence
 from grainfit.materials.parameters import BODY_PARAMETERS, SECTIONS, MaterialParameter
 from grainfit.materials.walls import PLAIN, on_wall, plain_name, same_on_walls, wall_of, walls_among
 from grainfit.registration import require_complete, require_unique
@@ -435,4 +436,4 @@ def _instead(solver: str, model: ContactModel) -> str:
     )
     having = " or ".join(model.solvers)
     way = f"use {having}, or {other_way}." if having else f"{other_way}."
-    return f"{way[0].upper()}{way[1:]}"
+    return as_sentence(way)

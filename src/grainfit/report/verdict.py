@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from grainfit.formatting import (
+    as_sentence,
     counted,
     number,
     plain,
@@ -50,7 +51,7 @@ def shown_verdict(context: ReportContext) -> ShownVerdict:
             return ShownVerdict("warn", messages.RUNNING(), (words,))
         case "failed":
             why = plain(reading.failure)
-            details = [why[0].upper() + why[1:]] if why else []
+            details = [as_sentence(why)] if why else []
             if reading.evaluations:
                 details.append(messages.SIMULATED(runs=ended))
             return ShownVerdict("bad", messages.STOPPED(), tuple(details))

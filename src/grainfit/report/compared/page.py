@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from math import log
 from pathlib import Path
+from typing import NamedTuple
 
 from grainfit.files import write_atomically
 from grainfit.formatting import plain
@@ -36,18 +36,30 @@ class Bar:
     target: tuple[float, float] | None
 
 
-_Row = tuple[Label, str, list[Bar | None]]
+class _Table(NamedTuple):
+    """Rows with bars: label, verdict, and a bar for each calibration."""
+
+    title: str
+    heading: str
+    told: str
+    rows: Sequence[tuple[Label, str, Sequence[Bar | None]]]
+
+
 _EXPECTED = (
     "Bars are the expected {} with their 95 % intervals, the band behind a bar is the measured "
     "value with its {}."
 )
-#: Title of a table, with what its bars are.
-_TOLD = {
-    "Parameters": "Bars are 95 % intervals, marks the values; values differ if intervals of theirs "
-    "are apart.",
-    "Responses": _EXPECTED.format("responses", "tolerance"),
-    "Yield loci": _EXPECTED.format("values", "95 % interval"),
-}
+#: Title of each table, heading of its rows, and what its bars are.
+_WORDS = (
+    (
+        "Parameters",
+        "Parameter",
+        "Bars are 95 % intervals, marks the values; values differ if intervals of theirs are "
+        "apart.",
+    ),
+    ("Responses", "Response", _EXPECTED.format("responses", "tolerance")),
+    ("Yield loci", "Yield locus", _EXPECTED.format("values", "95 % interval")),
+)
 
 
 def write_compared_page(found: Comparison, saved: Sequence[SavedCalibration], path: Path) -> None:
@@ -62,15 +74,14 @@ def write_compared_page(found: Comparison, saved: Sequence[SavedCalibration], pa
     path : Path
         The file to write.
     """
-    labels = {
-        "Parameters": [_label(saved, row.name) for row in found.parameters],
-        "Responses": [_label_of_response(row) for row in found.responses],
-        "Yield loci": [_label_of_response(row) for row in found.yield_loci],
-    }
-    every = zip(labels, (found.parameters, found.responses, found.yield_loci), strict=True)
+    labelled: tuple[list[tuple[Label, ComparedRow]], ...] = (
+        [(_label(saved, row.name), row) for row in found.parameters],
+        [(_label_of_response(row), row) for row in found.responses],
+        [(_label_of_response(row), row) for row in found.yield_loci],
+    )
     tables = [
-        (title, _TOLD[title], list(map(partial(_drawn, found.names), labels[title], rows)))
-        for title, rows in every
+        _Table(*words, [(label, row.verdict, _bars(found.names, row)) for label, row in rows])
+        for words, rows in zip(_WORDS, labelled, strict=True)
         if rows
     ]
     states = [plain(state_name(state)) for state in found.states]
@@ -85,10 +96,6 @@ def _label(saved: Sequence[SavedCalibration], name: str) -> Label:
 
 def _label_of_response(row: ComparedResponse) -> Label:
     return response_label(row.name, next(one.unit for one in row.values if one is not None))
-
-
-def _drawn(names: Sequence[str], label: Label, row: ComparedRow) -> _Row:
-    return label, row.verdict, _bars(names, row)
 
 
 def _bars(names: Sequence[str], row: ComparedRow) -> list[Bar | None]:
