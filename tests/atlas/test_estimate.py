@@ -216,7 +216,6 @@ def test_targets_that_are_at_odds_are_not_called_out_of_reach() -> None:
 
     assert found.out_of_reach == ()
     assert found.at_odds
-    assert found.expected_intervals() == {}
     for name in found.at_odds:
         assert messages.AT_ODDS.is_in(str(found), response=name)
     assert not messages.TO_VERIFY.is_in(str(found))

@@ -280,18 +280,6 @@ def test_reprs_are_short() -> None:
     assert repr(problem_with()) == "Problem(parameters=['particle.density'], targets=['angle'])"
 
 
-def test_an_expected_interval_is_a_part_of_that_of_its_parameter() -> None:
-    parameters, targets = [Parameter("E", 1e5, 1e9, "log")], [Target("angle", 30.0)]
-
-    problem = Problem(parameters, targets, expected={"E": (1e6, 1e7)})
-
-    assert problem.expected_part == pytest.approx(np.array([[0.25], [0.5]]))
-    assert Problem(parameters, targets).expected_part == pytest.approx(np.array([[0.0], [1.0]]))
-    for wrong in ({"E": (1e4, 1e7)}, {"E": (1e7, 1e6)}, {"friction": (0.1, 0.2)}):
-        with pytest.raises(InputError, match="expected"):
-            Problem(parameters, targets, expected=wrong)
-
-
 @pytest.mark.parametrize("given", [("5 deg", "9 deg"), ("5 mm", "9 m"), ("0.5 kPa", "0.9 kPa")])
 def test_a_parameter_that_is_a_number_takes_no_unit(given: tuple[str, str]) -> None:
     with pytest.raises(InputError) as refused:
@@ -308,9 +296,6 @@ def test_a_parameter_that_is_a_number_takes_no_unit(given: tuple[str, str]) -> N
         ({"ratios": 3}, "ratios"),
         ({"ratios": {"height": 2.0}}, r"ratios\.height: .*angle"),
         ({"ratios": {"angle": math.nan}}, r"ratios\.angle"),
-        ({"expected": [1]}, "expected"),
-        ({"expected": {"particle.density": 3}}, r"expected\.particle\.density"),
-        ({"expected": {"particle.density": ("a", "b")}}, r"expected\.particle\.density"),
     ],
 )
 def test_values_by_name_are_of_names_that_there_are(given: dict[str, Any], place: str) -> None:

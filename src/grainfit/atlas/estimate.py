@@ -39,8 +39,6 @@ from grainfit.verdict.out_of_reach import bound_at
 _SHARES = (0.025, 0.5, 0.975)
 #: An interval that keeps this share of the given one leaves a parameter open.
 _OPEN = 0.5
-#: Of intervals in which a search begins: their width over that of the estimate, the least one.
-_WIDER, _NARROWEST = 1.5, 0.2
 #: Width of an interval over the present one below which a measurement is worth naming, and points
 #: of the sample that show it.
 _NARROWS, _REPRESENTATIVES = 0.85, 400
@@ -71,14 +69,6 @@ class EstimatedParameter:
     median: float
     high: float
     is_open: bool
-
-    @property
-    def expected_interval(self) -> tuple[float, float]:
-        """The 95 % interval half as wide again, and no narrower than a part of the given one."""
-        low, high = (self.parameter.to_unit(end) for end in (self.low, self.high))
-        half = min(max(_WIDER * (high - low), _NARROWEST), 1.0) / 2
-        middle = min(max((low + high) / 2, half), 1 - half)
-        return self.parameter.from_unit(middle - half), self.parameter.from_unit(middle + half)
 
 
 @dataclass(frozen=True)
@@ -195,15 +185,6 @@ class Estimate(Summary, OneLine):
         """Names of the targets that some parameters meet, but none that meet the others, too."""
         every = self.responses
         return tuple(one.target.name for one in every if one.is_in_reach and not one.agrees)
-
-    def expected_intervals(self) -> dict[str, tuple[float, float]]:
-        """Return intervals in which a search begins: those of the estimate, half as wide again.
-
-        Empty where the atlas knows no parameters that give the measured values.
-        """
-        if self.out_of_reach or self.at_odds:
-            return {}
-        return {one.parameter.name: one.expected_interval for one in self.parameters}
 
     def summary(self) -> tuple[str | TextTable, ...]:
         """Return the tables and the sentences that `print` and a notebook show."""

@@ -36,6 +36,11 @@ class ExpectedResponse:
     covariance: Array
     scatter: float
 
+    @property
+    def errors(self) -> Array:
+        """Standard errors of the atlas over the means, shape (m,)."""
+        return np.asarray(np.sqrt(np.diagonal(self.covariance).clip(0.0)))
+
 
 class Expectation:
     """What the atlas expects of a test, in the apparatus that is nearest.

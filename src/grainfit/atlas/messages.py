@@ -7,6 +7,7 @@ DAMAGED = Message(
     "the rows of this test in the atlas are damaged, or of another version: install grainfit again"
 )
 PARTICLES = Message("of this test the atlas has {known}, and not {given}")
+NO_VALUE = Message("the material has no {name}")
 LAW = Message("the atlas has the usual contact law alone, not {models}")
 WALLS = Message("the atlas has one material of all walls, and this test has parts of others")
 DAMPING = Message("{name} is {value:.3g}, and 0 in the atlas")

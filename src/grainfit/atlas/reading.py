@@ -56,6 +56,10 @@ class NotInAtlasError(Exception):
     """The atlas tells nothing about a test; the text says why."""
 
 
+class DamagedAtlasError(NotInAtlasError):
+    """The rows of a test are damaged, or of another physics."""
+
+
 class Reading:
     """A test of a user in the inputs of the atlas.
 
@@ -109,9 +113,12 @@ class Reading:
                 if inputs.other:
                     raise NotInAtlasError(inputs.other[0])
             self._apparatus = inputs.values
+            self.ranges = self.stratum.ranges
+            self.inputs(self._material)
         except InputError as error:
             raise NotInAtlasError(error.reasons) from None
-        self.ranges = self.stratum.ranges
+        except KeyError as error:
+            raise NotInAtlasError(messages.NO_VALUE(name=error.args[0])) from None
 
     @property
     def kind(self) -> type[BulkTest]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from grainfit.atlas import messages
 from grainfit.atlas.differences import REFERENCE, Difference
-from grainfit.atlas.reading import NotInAtlasError
+from grainfit.atlas.reading import DamagedAtlasError, NotInAtlasError
 from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.strata import strata
 from grainfit.atlas.surrogate import Surrogate
@@ -81,12 +81,15 @@ class Atlas:
         Raises
         ------
         NotInAtlasError
-            It has no rows of it, or they are damaged, or of another physics.
+            It has no rows of it.
+        DamagedAtlasError
+            They are damaged, or of another physics.
         """
         found = self.of_stratum(name)
         if found is None:
-            is_there = name in self.strata or not self.is_readable
-            raise NotInAtlasError(messages.DAMAGED() if is_there else messages.NO_ROWS())
+            if name in self.strata or not self.is_readable:
+                raise DamagedAtlasError(messages.DAMAGED())
+            raise NotInAtlasError(messages.NO_ROWS())
         return found
 
     def difference(self, solver: str, stratum: str, response: str) -> Difference | None:

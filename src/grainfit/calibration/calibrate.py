@@ -73,6 +73,7 @@ _KINDS: Mapping[str, tuple[Any, str]] = {
     "provenance": (Provenance | None, "a Provenance object"),
     "on_progress": (Callable | None, "a function of a Progress"),
     "near_runs": (bool, "True or False"),
+    "atlas": (bool, "True or False"),
     "retry_failed": (bool, "True or False"),
     "progress": (bool, "True or False"),
 }
@@ -106,6 +107,7 @@ def calibrate(
     store: str | None = None,
     keep: Keep = "all",
     near_runs: bool = True,
+    atlas: bool = True,
     retry_failed: bool = False,
     provenance: Provenance | None = None,
     on_progress: Callable[[Progress], None] | None = None,
@@ -169,6 +171,9 @@ def calibrate(
     near_runs : bool
         Let runs of near problems guide the search: those of the same bulk test whose fixed
         parameters and apparatus differ by at most a fifth. No verdict rests on them.
+    atlas : bool
+        Let the expected responses of the atlas guide the search of the bulk tests that it has. No
+        verdict rests on them.
     retry_failed : bool
         Repeat all failed runs of the work folder. By default only those that failed because of the
         machine or a time-out are repeated; others would fail again.
@@ -212,6 +217,7 @@ def calibrate(
         provenance=provenance,
         on_progress=on_progress,
         near_runs=plain(near_runs),
+        atlas=plain(atlas),
         retry_failed=plain(retry_failed),
         progress=plain(progress),
     )
@@ -250,6 +256,7 @@ def calibrate(
             provenance,
             twins=twins,
             near_runs=near_runs,
+            atlas=atlas,
         )
         stack.enter_context(one_thread())
         # Every run executes in its own folder, where a relative path would mean another place.

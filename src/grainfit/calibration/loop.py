@@ -13,6 +13,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
+from grainfit.atlas.guide import Guide, guide
 from grainfit.calibration import messages
 from grainfit.calibration.build_result import Ending, make_result
 from grainfit.calibration.expected_deviation import ExpectedDeviation
@@ -32,10 +33,11 @@ from grainfit.calibration.yield_loci import tests_of_runs, yield_loci
 from grainfit.campaign.campaign import Campaign
 from grainfit.campaign.near_runs import NearRuns, near_records, near_runs
 from grainfit.campaign.reuse import models_of, runs_of
-from grainfit.campaign.store.records import RequestRecord, RunRecord
+from grainfit.campaign.store.records import CalibrationRecord, RequestRecord, RunRecord
 from grainfit.campaign.store.store import RunStore
 from grainfit.errors import GrainfitError, RunFailedError, StoreError
 from grainfit.evaluation import Evaluation, Proposal, name_of_test
+from grainfit.formatting import in_a_row
 from grainfit.metamodels.blow_ups import without_blow_ups
 from grainfit.metamodels.curve_reduction import about_other_kind, about_short_curves
 from grainfit.metamodels.known_runs import nearest_runs
@@ -74,6 +76,7 @@ class LoopOptions:
     live_file: LiveFile | None = None
     twins: Twins | None = None
     near_runs: bool = True
+    atlas: bool = True
     result_file: Path | None = None
 
 
@@ -106,6 +109,8 @@ class CalibrationLoop:
         self._origins: Mapping[str, int] = {}
         #: Runs of near problems.
         self._near = NearRuns()
+        #: What the atlas expects of tests without near runs.
+        self._guide = Guide()
         #: How often fresh seeds have been judged.
         self._looks = 0
         #: Numbers of the runs of the verification by their seeds.
@@ -136,6 +141,7 @@ class CalibrationLoop:
             records = list(self._store.find_many(earlier.known).values())
         campaign = self._campaign
         self._near = self._near_runs(None if earlier is None else records)
+        self._guide = self._guide_of_atlas(earlier)
         known = [runs_of(self._problem, campaign.solvers, records, campaign.repeats)]
         for name, solver in campaign.relatives.items():
             single = replace(self._problem, tests=())
@@ -158,6 +164,19 @@ class CalibrationLoop:
             recorded = near_records(self._store, self._problem, solvers)
         return near_runs(self._problem, solvers, recorded, strategy.seed)
 
+    def _guide_of_atlas(self, earlier: CalibrationRecord | None) -> Guide:
+        """Return what the atlas expects of the tests that nothing else guides.
+
+        A later start keeps the guide of the first one, whatever the atlas says since.
+        """
+        strategy = self._strategy
+        if earlier is not None:
+            return Guide.from_json(earlier.about.get("atlas", {}))
+        if not self._options.atlas or not strategy.strategy.uses_relatives:
+            return Guide()
+        guided = {*self._near.tests, *(one.of for one in strategy.problem.relatives)}
+        return guide(self._problem, self._campaign.solvers, strategy.seed, guided)
+
     def _define(self) -> dict[str, Any]:
         # Another input deck or solver version makes another calibration: the requests of the old
         # one would be misleading. The run at the centre represents all runs.
@@ -173,9 +192,9 @@ class CalibrationLoop:
             **self._rayleigh(),
             **self._relatives(),
             **({} if self._options.near_runs else {"near_runs": False}),
+            **({} if self._options.atlas else {"atlas": False}),
             **({"ratios": dict(problem.ratios)} if problem.ratios else {}),
             **({"correlations": list(problem.correlations)} if problem.correlations else {}),
-            **({"expected": dict(problem.expected)} if problem.expected else {}),
             **({"curves": [one.to_json() for one in problem.curves]} if problem.curves else {}),
         }
 
@@ -200,6 +219,7 @@ class CalibrationLoop:
             **({"first_search": twins.first_search} if twins and twins.first_search else {}),
             "learnt": [{**asdict(one.proposal), "runs": dict(one.runs)} for one in known],
             "near": self._near.notice,
+            "atlas": self._guide.to_json(),
             "version": version("grainfit"),
             "workers": self._options.workers,
             "max_runs": self._options.max_runs,
@@ -252,9 +272,10 @@ class CalibrationLoop:
         self._store.begin_calibration(
             self._identity, self._options.name, self._definition, runs, self._about(known)
         )
-        if self._near.tests:
-            self._strategy.learn_from_near(self._near.evaluations, self._near.tests)
-            self._notices.append(self._near.notice)
+        if tests := (*self._near.tests, *self._guide.tests):
+            guiding = [*self._near.evaluations, *self._guide.evaluations]
+            self._strategy.learn_from_near(guiding, tests)
+        self._notices += self._about_guides
         if known:
             warm_start(self._strategy, self._problem, known)
             self._show()
@@ -271,16 +292,24 @@ class CalibrationLoop:
         )
         known_runs = sum(self._origins.values())
         result = make_result(ending, self._strategy, outcome, self._evaluations, known_runs)
-        near = [self._near.notice] if self._near.tests else []
         search = [one for one in self._evaluations if one.proposal.stage != "verification"]
         again = self._records.read_again(search)
-        result = replace(result, other_notices=(*near, *again, *result.other_notices))
+        result = replace(result, other_notices=(*self._about_guides, *again, *result.other_notices))
         own = self._own_evidence()
         result = with_intervals(result, self._problem, own, self._known, self._campaign.solvers)
         tests = tests_of_runs(self._evaluations, self._store.find_many)
         result = replace(result, yield_loci=yield_loci(self._problem, tests, result.responses))
         twins = self._options.twins
         return result if twins is None else twins.predicted(result, self._strategy.confidence)
+
+    @property
+    def _about_guides(self) -> list[str]:
+        near = [self._near.notice] if self._near.tests else []
+        # The scope of the only test has no name.
+        tests = [one or next(iter(self._campaign.solvers)) for one in self._guide.tests]
+        guided = [messages.GUIDED_BY_ATLAS(tests=in_a_row(tests))] if tests else []
+        fault = [messages.WITHOUT_ATLAS(why=self._guide.fault)] if self._guide.fault else []
+        return [*near, *guided, *fault]
 
     def _own_evidence(self) -> list[Evaluation]:
         known = self._repetitions(self._evaluations).is_known

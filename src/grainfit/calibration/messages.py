@@ -7,8 +7,12 @@ NO_SOLVER = Message("is {given!r}.", "Give a function, a solver, or solvers by t
 NO_SOLVERS_BY_TEST = Message("must map names of tests to solvers.")
 NO_TEST = Message("is no test.", "There are: {tests}.")
 LEFT_OUT = Message("is None.", "Leave it out for the default.")
+GUIDED_BY_ATLAS = Message(
+    "What the atlas expects of {tests} guides the search, and no verdict rests on it."
+)
 
 # Tests, targets and parameters that do not fit together.
+WITHOUT_ATLAS = Message("The search goes on without the atlas: {why}.")
 TARGET_NOBODY_YIELDS = Message(
     "is a target, but no test yields such a response.", "There are: {responses}."
 )

@@ -64,6 +64,13 @@ class CalibrationOptions:
         default_text="true",
         example="false",
     )
+    atlas: bool | None = option(
+        Flag(),
+        "Whether what the [atlas](atlas.md) expects guides the search. No verdict rests on it. "
+        "Strategy: sequential.",
+        default_text="true",
+        example="false",
+    )
 
     def __post_init__(self) -> None:
         read_options(option_keys(type(self)), asdict(self))

@@ -163,27 +163,6 @@ class CalibrationSetup(OneLine):
         return relatives_of(self.solvers, self.relatives, self.problem)
 
     @property
-    def expected(self) -> dict[str, tuple[float, float]]:
-        """Intervals in which the atlas expects the answer, if the file asks; empty without any."""
-        return self._expected(lambda _: None)
-
-    def _expected(self, say: Callable[[str], None]) -> dict[str, tuple[float, float]]:
-        """Return the same, and say what the atlas does not tell."""
-        if not self.strategy.atlas:
-            return {}
-        # Imported here: `check` needs no metamodels.
-        from grainfit.atlas.estimate import estimate_of
-
-        try:
-            found = estimate_of(self.problem, self.solvers)
-        except InputError as error:
-            say(messages.WITHOUT_ATLAS(why=error.reasons))
-            return {}
-        for why in dict.fromkeys(found.untold.values()):
-            say(messages.WITHOUT_ATLAS(why=why))
-        return found.expected_intervals()
-
-    @property
     def bulk_tests(self) -> dict[str, BulkTest]:
         """The bulk tests that are simulated, by name of the test."""
         tests = {name: solver.bulk_test for name, solver in self.solvers.items()}
@@ -266,11 +245,7 @@ class CalibrationSetup(OneLine):
                 options["executor"] = stack.enter_context(cluster_executor(self.cluster, folder))
             search = partial(
                 calibrate,
-                replace(
-                    self.problem,
-                    relatives=self.relative_costs,
-                    expected=self._expected(on_phase),
-                ),
+                replace(self.problem, relatives=self.relative_costs),
                 self.simulated,
                 relatives=self.relatives,
                 workdir=folder,

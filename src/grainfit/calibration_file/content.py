@@ -117,8 +117,6 @@ class SearchOptions(CalibrationOptions, OneLine):
         Times the particle diameters, and share of the number of particles, of that relative.
     twins : int, optional
         Particles of the smaller apparatus that are simulated instead of larger ones.
-    atlas : bool
-        Whether the search begins where the atlas expects the answer.
     """
 
     strategy: Strategy = field(default_factory=Sequential)
@@ -127,7 +125,6 @@ class SearchOptions(CalibrationOptions, OneLine):
     coarser: float | None = None
     smaller: float | None = None
     twins: int | None = None
-    atlas: bool = False
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,6 @@ NO_SUCH_RELATIVE = Message(
     "makes test {test} impossible: {why}", "Give a value that changes it less, or leave it out."
 )
 
-WITHOUT_ATLAS = Message("The search goes on without the atlas: {why}")
 
 # Photographs.
 PHOTOGRAPHS = Message("Photographs, {response}: {result}; pictures: {count}, heaps: {heaps}.")

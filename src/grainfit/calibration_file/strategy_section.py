@@ -10,7 +10,7 @@ from grainfit.calibration.options import CalibrationOptions
 from grainfit.calibration_file.content import SearchOptions
 from grainfit.errors import InputError
 from grainfit.options.fields import option_keys
-from grainfit.options.kinds import Choice, Flag, Kind, Quantity, Schema, Whole
+from grainfit.options.kinds import Choice, Kind, Quantity, Schema, Whole
 from grainfit.options.places import Place
 from grainfit.options.tables import Key, Table, Values
 from grainfit.strategies.registry import (
@@ -71,16 +71,8 @@ TWINS = Key(
     default="none",
 )
 RELATIVES = (SOFTER, COARSER, SMALLER)
-ATLAS = Key(
-    "atlas",
-    Flag(),
-    "Whether the search begins where the [atlas](atlas.md) expects the answer, and not all over "
-    "the intervals. Strategy: sequential.",
-    example="true",
-    default="false",
-)
 #: Options of every calibration, with any strategy.
-CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT, *RELATIVES, TWINS, ATLAS)
+CALIBRATION_KEYS = (*option_keys(CalibrationOptions), RAYLEIGH_WEIGHT, *RELATIVES, TWINS)
 
 
 def name_key() -> Key:

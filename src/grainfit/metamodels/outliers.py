@@ -27,6 +27,9 @@ _RUNS_OF_CALIBRATION = 60
 _LARGEST_SHARE = 0.25
 #: With a smaller largest residual, no run needs to be looked at.
 _SUSPICIOUS = 2.0
+#: Scatter over the spread of the values below which residuals are errors of interpolation: any jam
+#: would be seen as a larger scatter.
+_SMOOTH = 1e-3
 #: With more runs, metamodels are fitted again only where the runs left out deviate by this share of
 #: the limit of outliers.
 _ALL_TRIED = 60
@@ -151,7 +154,8 @@ def fit_without_outliers(
     """
     everything = _fit(points, values, standard_errors, known_scatter, relative)
     most = _most_outliers(*points.shape)
-    if most == 0 or _largest_residual(everything)[1] < _SUSPICIOUS:
+    is_smooth = everything.noise_standard_deviation < _SMOOTH * values.std()
+    if most == 0 or is_smooth or _largest_residual(everything)[1] < _SUSPICIOUS:
         return everything, NO_OUTLIERS
     runs = np.arange(len(values))
     kept, model = runs, everything

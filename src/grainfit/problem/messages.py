@@ -145,8 +145,3 @@ EMPTY = Message("are empty.", "Give at least one {kind}.")
 NO_RAYLEIGH = Message("is {given}.", "Give a RayleighTimeStep, or None.")
 BAD_RAYLEIGH_WEIGHT = Message("is {given}.", "It must be 0 or above, and at most {most:g}.")
 NOT_A_TARGET = Message("is no target.", "There are: {known}.")
-NO_ENDS = Message("is {given}.", "Give the lowest and the highest value, as numbers.")
-NOT_WITHIN = Message(
-    "is {low:g} to {high:g}, which is no part of the interval of a free parameter.",
-    "Give a part of its interval.",
-)

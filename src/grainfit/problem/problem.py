@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -38,7 +38,6 @@ from grainfit.validation import as_number, list_faults, mapping_faults
 _BY_NAME = {
     "scatters": '{"angle": 0.5}',
     "ratios": '{"angle": 1.1}',
-    "expected": '{"friction": (0.2, 0.4)}',
 }
 
 
@@ -74,9 +73,6 @@ class Problem:
     ratios : mapping of str to float
         Responses of the laboratory's apparatus over those of the smaller one that is simulated,
         by name of the target; 1 for the others. Targets and evaluations are the laboratory's.
-    expected : mapping of str to (float, float)
-        Intervals of parameters in which the answer is expected before any run. The first runs of
-        the sequential strategy are there; the search goes beyond them where its runs say so.
 
     Raises
     ------
@@ -101,7 +97,6 @@ class Problem:
     scatters: Mapping[str, float] = field(default_factory=dict, hash=False)
     relatives: Sequence[Relative] = ()
     ratios: Mapping[str, float] = field(default_factory=dict, hash=False)
-    expected: Mapping[str, tuple[float, float]] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         kinds = {
@@ -131,7 +126,6 @@ class Problem:
             yield messages.BAD_RAYLEIGH_WEIGHT.fault(key, given=given, most=LARGEST_WEIGHT)
         yield from self._faults_by_target("scatters", self.scatters)
         yield from self._faults_by_target("ratios", self.ratios)
-        yield from self._faults_of_expected()
         yield from scope_faults(self.tests, parameters)
         yield from relative_faults(self.relatives, self.tests)
         if isinstance(self.rayleigh, RayleighTimeStep):
@@ -147,15 +141,6 @@ class Problem:
                 yield messages.NOT_A_TARGET.fault(f"{key}.{name}", known=known)
             elif not 0 < as_number(value) < math.inf:
                 yield messages.NOT_ABOVE_ZERO.fault(f"{key}.{name}", given=shown(value))
-
-    def _faults_of_expected(self) -> Iterator[Fault]:
-        for name, given in self.expected.items():
-            ends = tuple(map(as_number, given)) if isinstance(given, Iterable) else ()
-            inside = self.intervals.get(name, (math.inf, -math.inf))
-            if len(ends) != 2 or not all(map(math.isfinite, ends)):
-                yield messages.NO_ENDS.fault(f"expected.{name}", given=shown(given))
-            elif not inside[0] <= ends[0] < ends[1] <= inside[1]:
-                yield messages.NOT_WITHIN.fault(f"expected.{name}", low=ends[0], high=ends[1])
 
     def _read_correlations(self) -> list[Fault]:
         given = self.correlations
@@ -276,13 +261,6 @@ class Problem:
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Bounds by parameter name."""
         return {p.name: (p.minimum, p.maximum) for p in self.parameters}
-
-    @cached_property
-    def expected_part(self) -> NDArray[np.float64]:
-        """Ends of the expected intervals in the unit cube, shape (2, d)."""
-        ends = [self.expected.get(p.name, (p.minimum, p.maximum)) for p in self.parameters]
-        pairs = zip(self.parameters, ends, strict=True)
-        return np.array([[p.to_unit(end) for end in own] for p, own in pairs]).T
 
     @cached_property
     def scopes(self) -> tuple[TestScope, ...]:

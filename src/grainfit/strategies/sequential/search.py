@@ -59,6 +59,8 @@ RUNS_PER_PARAMETER = 20
 #: Runs of a relative in the design: they may cost as much as two runs of its test, and are at least
 #: as many as the test would have without it, at most four times as many.
 _COST_OF_RELATIVE, _MOST_OF_RELATIVE = 2.0, 4
+#: Usual designs that a search may be guided by relatives, before its own runs decide.
+_GUIDED = 2
 _TRIES_OF_A_MACHINE = 3
 #: Runs that usually follow the design where the scatter is small, verification included.
 _USUAL_AFTER_DESIGN = 5
@@ -413,9 +415,7 @@ class SequentialSearch(Search):
 
     @cached_property
     def _design(self) -> Array:
-        low, high = self.problem.expected_part
-        shares = maximin_latin_hypercube(self._design_size, self.problem.dimension, self.seed)
-        return np.asarray(low + (high - low) * shares)
+        return maximin_latin_hypercube(self._design_size, self.problem.dimension, self.seed)
 
     @cached_property
     def _tests_of_design(self) -> list[tuple[str, ...] | None]:
@@ -469,7 +469,7 @@ class SequentialSearch(Search):
         Runs about an answer that a relative has misplaced show little of the rest.
         """
         if self.problem.relatives:
-            return self._sets_told - 2 * self._usual_design
+            return self._sets_told - _GUIDED * self._usual_design
         return len(self._told) - self._design_size
 
     @property
@@ -494,7 +494,8 @@ class SequentialSearch(Search):
         return self._latest[1]
 
     def _form_belief(self, known: Sequence[Evaluation]) -> Belief:
-        problem, belief = self.problem, self._belief_in(self.problem, known)
+        problem = self._problem_to_believe
+        belief = self._belief_in(problem, known)
         for _ in range(_MOST_WIDENINGS if self._options.extend_intervals else 0):
             if not self._rule.is_out_of_reach(belief):
                 break
@@ -504,6 +505,17 @@ class SequentialSearch(Search):
             problem, belief = wider, self._belief_in(wider, known)
         self._note(widenings(self.problem, problem))
         return belief
+
+    @property
+    def _problem_to_believe(self) -> Problem:
+        """The problem, after many runs without what is known beforehand of its relatives.
+
+        What has not led to the answer by then leads away from it.
+        """
+        if self._sets_told < _GUIDED * self._usual_design:
+            return self.problem
+        made = [one for one in self.problem.relatives if one.cost is not None]
+        return replace(self.problem, relatives=made)
 
     def _belief_in(self, problem: Problem, known: Sequence[Evaluation]) -> Belief:
         return Belief(problem, known, self.seed, self._options, self.confidence_to_stop)
