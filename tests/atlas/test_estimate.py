@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 from typer.testing import CliRunner
@@ -50,6 +51,13 @@ def _of_angle(angle: float, uncertainty: float = 1.0) -> gf.Problem:
 def _about(name: str, value: float) -> tuple[float, float]:
     """Return an interval about a value; an aspect ratio has ends."""
     return (1.1, 2.0) if name == ASPECT_RATIO else (value / 2, 2 * value)
+
+
+@pytest.mark.parametrize(("told", "expected"), [(-3.0, 0.0), (25.0, 25.0), (95.0, 90.0)])
+def test_nothing_impossible_is_expected(told: float, expected: float) -> None:
+    forecast = Forecast(_of_angle(25.0), _heaps())
+
+    assert forecast.possible(np.array([[told]])) == pytest.approx(np.array([[expected]]))
 
 
 def test_what_the_atlas_misses_of_a_heap_makes_it_higher_and_narrower() -> None:

@@ -327,7 +327,12 @@ def estimate_of(
     responses = tuple(
         EstimatedResponse(target, float(mean), math.sqrt(variance), float(scatter), float(miss))
         for target, mean, variance, scatter, miss in zip(
-            forecast.problem.targets, means[0], variances[0], scatters, misses, strict=True
+            forecast.problem.targets,
+            forecast.possible(means)[0],
+            variances[0],
+            scatters,
+            misses,
+            strict=True,
         )
     )
     best = {name: float(found[0]) for name, found in values_at(problem.parameters, top).items()}

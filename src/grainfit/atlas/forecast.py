@@ -108,6 +108,13 @@ class Forecast:
             variances.append(variance * unit**2)
         return np.column_stack(means), np.column_stack(variances)
 
+    def possible(self, responses: Array) -> Array:
+        """Return responses, shape (m, targets), none beyond what is physically possible."""
+        limits = [one.reading.kind.responses[one.response].limits for one in self._told]
+        low = [-np.inf if low is None else low for low, _ in limits]
+        high = [np.inf if high is None else high for _, high in limits]
+        return np.clip(responses, low, high)
+
     @property
     def _readings(self) -> Iterable[Reading]:
         """Tests of the targets, each once."""

@@ -66,7 +66,7 @@ class CalibrationOptions:
     )
     atlas: bool | None = option(
         Flag(),
-        "Whether what the [atlas](atlas.md) expects guides the search. No verdict rests on it. "
+        "Whether what the atlas expects guides the search. No verdict rests on it. "
         "Strategy: sequential.",
         default_text="true",
         example="false",
