@@ -36,11 +36,11 @@ from kept_runs import measure, read, scatter, simulate
 DIAMETER = 0.010
 MODULUS = "particle.youngs_modulus"
 #: Tests that were measured.
-TESTS = ("compression", "discharge", "draw_down", "drum", "heap", "packing", "shear")
+TESTS = ("compression", "discharge", "draw_down", "drum", "heap", "hopper", "packing", "shear")
 #: Responses that are those of a metre of depth.
-PER_DEPTH = ("mass_flow",)
+PER_DEPTH = (("discharge", "mass_flow"),)
 #: Responses that are not compared.
-OTHERS = (("draw_down", "mass_flow"),)
+OTHERS = (("draw_down", "mass_flow"), ("hopper", "residual_mass"))
 #: A test that needs a stiffer material than the others, Pa.
 STIFFER = {"compression": 10e6}
 
@@ -82,9 +82,9 @@ def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:
             first = _values(own, sizes[0], name)
             for times in sizes if (test, name) not in OTHERS else ():
                 values = _values(own, times, name)
-                if len(values) < 2:
+                if not values:
                     continue
-                depth = math.cbrt(times) if name in PER_DEPTH else 1.0
+                depth = math.cbrt(times) if (test, name) in PER_DEPTH else 1.0
                 values = [value / depth for value in values]
                 cells = [test, f"{modulus / 1e6:g}", name, info.unit or "1"]
                 cells += [_mean(own, times, "particles", 0), number(float(np.mean(values)), 4)]

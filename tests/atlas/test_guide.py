@@ -23,6 +23,14 @@ from grainfit.solvers.dem.lammps.program import Lammps
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
 FREE = [gf.Parameter(SLIDING, 0.2, 0.8), gf.Parameter(ROLLING, 0.05, 0.6)]
+MORE = [
+    gf.Parameter(DENSITY, 1000.0, 3000.0),
+    *(
+        gf.Parameter(f"particle_wall.{name}", 0.1, 0.6)
+        for name in ("sliding_friction", "restitution")
+    ),
+    gf.Parameter("particle_particle.restitution", 0.3, 0.8),
+]
 FIXED = {name: value for name, value in ROUGH_SPHERES.items() if name not in (SLIDING, ROLLING)}
 ANGLE = gf.Target("angle_of_repose", "21.6 deg", uncertainty="1 deg")
 RADIUS = gf.Target("base_radius", "130 mm", uncertainty="1 %")
@@ -85,6 +93,7 @@ def test_a_guide_is_what_the_atlas_expects_half_of_it_near_the_answer() -> None:
         (gf.Problem(FREE, [gf.Target("angle", 25.0)]), ()),
         (gf.Problem([gf.Parameter("particle.poissons_ratio", 0.1, 0.4)], [ANGLE]), ()),
         (gf.Problem(FREE, [ANGLE]), ("",)),
+        (gf.Problem([*FREE, *MORE], [ANGLE]), ()),
     ],
 )
 def test_nothing_guides_where_the_atlas_tells_nothing_or_something_else_does(

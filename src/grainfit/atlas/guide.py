@@ -19,6 +19,8 @@ from grainfit.solvers.base import Solver
 
 #: Points at which the atlas is asked, and how many of them guide.
 _ASKED, _KEPT = 512, 60
+#: Most free parameters that so few points tell about in the time of a run.
+_MOST_PARAMETERS = 5
 
 
 class Guide(NamedTuple):
@@ -104,6 +106,8 @@ def guide(
     atlas : Atlas, optional
         By default the one that ships with the package.
     """
+    if problem.dimension > _MOST_PARAMETERS:
+        return Guide()
     points = spread_points(_ASKED, problem.dimension, np.random.default_rng(seed))
     found: dict[str, list[Response]] = {}
     fault = ""

@@ -14,6 +14,7 @@ from grainfit.bulk_tests.discharge.setup import AT_REST, ROUND, SLOT
 from grainfit.bulk_tests.discharge.view import DischargeView
 from grainfit.bulk_tests.hopper.setup import HopperSetup
 from grainfit.bulk_tests.parameter_names import DENSITY
+from grainfit.bulk_tests.recorded_trials import RecordedTrials
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.bulk_tests.shared.options import FILL_HEIGHT, LENGTH
 from grainfit.bulk_tests.shared.slot_scene import BED, END, FLOW, INSIDE
@@ -91,7 +92,7 @@ class Hopper(Discharge):
             description="mass flow: mass through the outlet per time, of the whole simulated depth "
             "of a slot",
             example='{ value = "1.4 kg/s", uncertainty = "3 %" }',
-            trials=None,
+            trials=RecordedTrials(0.024),
         ),
         "discharge_time": ResponseInfo(
             "s",
@@ -99,6 +100,7 @@ class Hopper(Discharge):
             "discharge time: from the opening of the outlet until 99 % of the mass that leaves has "
             "left",
             '{ value = "1.7 s", uncertainty = "2 %" }',
+            RecordedTrials(0.02, (2.37, 6.66)),
             absent="the material arches over the outlet",
         ),
         "residual_mass": ResponseInfo(
@@ -114,7 +116,7 @@ class Hopper(Discharge):
             Discharge.responses["bulk_density"],
             description="bulk density: mass of the bed above the slope over its volume, voids "
             "included",
-            trials=None,
+            trials=RecordedTrials(0.003, (0.018, 0.042)),
             absent="the bed above the slope is lower than 4 d, or its surface is uneven",
         ),
     }
