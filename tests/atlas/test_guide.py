@@ -20,6 +20,7 @@ from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.calibration import messages
 from grainfit.evaluation import scalars
 from grainfit.solvers.dem.lammps.program import Lammps
+from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
 FREE = [gf.Parameter(SLIDING, 0.2, 0.8), gf.Parameter(ROLLING, 0.05, 0.6)]
@@ -153,6 +154,15 @@ def test_a_later_start_keeps_the_guide_of_the_first_one(
     without = calibrated(atlas=False)
     assert without.identity != first.identity
     assert not messages.GUIDED_BY_ATLAS.is_in(" ".join(without.notices))
+
+
+def test_a_given_size_of_the_design_stays() -> None:
+    problem = gf.Problem(FREE, [ANGLE, RADIUS])
+    strategy = Sequential(design_runs=6)
+
+    result = gf.calibrate(problem, {"heap": _heap()}, strategy=strategy, max_runs=9)
+
+    assert result.runs.design == 6
 
 
 def test_a_damaged_atlas_is_named_and_the_search_goes_on(

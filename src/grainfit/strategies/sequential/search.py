@@ -157,7 +157,8 @@ class SequentialSearch(Search):
             affordable = int(_COST_OF_RELATIVE / relative.cost)
             most = _MOST_OF_RELATIVE * usual_runs
             self._design_sizes[relative.name] = max(usual_runs, min(affordable, most))
-        self._design_sizes[relative.of] = min(usual_runs, len(test.parameters) + 1)
+        if self._options.design_runs is None:
+            self._design_sizes[relative.of] = min(usual_runs, len(test.parameters) + 1)
         self._design_size = max(self._design_sizes.values())
 
     @property
