@@ -20,7 +20,6 @@ from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.calibration import messages
 from grainfit.evaluation import scalars
 from grainfit.solvers.dem.lammps.program import Lammps
-from grainfit.strategies.sequential.strategy import Sequential
 from grainfit.testing.materials import ROUGH_PLATE, ROUGH_SPHERES
 
 FREE = [gf.Parameter(SLIDING, 0.2, 0.8), gf.Parameter(ROLLING, 0.05, 0.6)]
@@ -158,7 +157,7 @@ def test_a_later_start_keeps_the_guide_of_the_first_one(
 
 def test_a_given_size_of_the_design_stays() -> None:
     problem = gf.Problem(FREE, [ANGLE, RADIUS])
-    strategy = Sequential(design_runs=6)
+    strategy = gf.Sequential(design_runs=6)
 
     result = gf.calibrate(problem, {"heap": _heap()}, strategy=strategy, max_runs=9)
 
