@@ -150,7 +150,6 @@ def calibrate(one: Calibration) -> dict[str, Any]:
                 {"heap": heap},
                 seed=one.seed,
                 runs_from=folder if make is not None else (),
-                atlas=False,
             )
         except GrainfitError as error:
             return {"status": "failed", "why": str(error)}

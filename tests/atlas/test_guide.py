@@ -155,11 +155,29 @@ def test_a_later_start_keeps_the_guide_of_the_first_one(
     assert not messages.GUIDED_BY_ATLAS.is_in(" ".join(without.notices))
 
 
+def test_a_guided_search_finds_its_way_out_of_failing_runs() -> None:
+    class Failing(ExpectedHeap):
+        def run(
+            self, parameters: Mapping[str, float], seed: int, workspace: gf.Workspace
+        ) -> dict[str, gf.Response]:
+            if parameters[ROLLING] < 0.5:
+                raise gf.RunFailedError("there is no heap")
+            return super().run(parameters, seed, workspace)
+
+    heap = Failing(gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE), FIXED)
+    steep = gf.Target("angle_of_repose", "27 deg", uncertainty="2 deg")
+    narrow = gf.Target("base_radius", "120 mm", uncertainty="5 %")
+
+    result = gf.calibrate(gf.Problem(FREE, [steep, narrow]), {"heap": heap}, seed=1, atlas=True)
+
+    assert result.status == "calibrated"
+
+
 def test_a_given_size_of_the_design_stays() -> None:
     problem = gf.Problem(FREE, [ANGLE, RADIUS])
     strategy = gf.Sequential(design_runs=6)
 
-    result = gf.calibrate(problem, {"heap": _heap()}, strategy=strategy, max_runs=9)
+    result = gf.calibrate(problem, {"heap": _heap()}, strategy=strategy, max_runs=9, atlas=True)
 
     assert result.runs.design == 6
 
@@ -172,7 +190,7 @@ def test_a_damaged_atlas_is_named_and_the_search_goes_on(
     (damaged / "heap.jsonl").write_text("{}")
     monkeypatch.setattr(expectation, "shipped_atlas", lambda: Atlas(damaged))
 
-    result = gf.calibrate(gf.Problem(FREE, [ANGLE, RADIUS]), _heap())
+    result = gf.calibrate(gf.Problem(FREE, [ANGLE, RADIUS]), _heap(), atlas=True)
 
     assert result.status == "calibrated"
     [notice] = [one for one in result.notices if messages.WITHOUT_ATLAS.is_in(one)]
@@ -182,7 +200,7 @@ def test_a_damaged_atlas_is_named_and_the_search_goes_on(
 def test_an_own_model_has_no_atlas_and_no_word() -> None:
     problem = gf.Problem([gf.Parameter(DENSITY, 1000.0, 3000.0)], [gf.Target("bulk", 1200.0)])
 
-    result = gf.calibrate(problem, lambda p, _: {"bulk": 0.6 * p[DENSITY]})
+    result = gf.calibrate(problem, lambda p, _: {"bulk": 0.6 * p[DENSITY]}, atlas=True)
 
     assert "atlas" not in " ".join(result.notices)
 

@@ -489,7 +489,7 @@ class SequentialSearch(Search):
         state = (len(self._told), len(self._others))
         if self._latest is None or self._latest[0] != state:
             known = self.known
-            if not can_be_fitted(self.problem, known):
+            if not can_be_fitted(self._problem_to_believe, known):
                 return None
             self._latest = (state, self._form_belief(known))
         return self._latest[1]
