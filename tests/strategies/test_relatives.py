@@ -284,3 +284,39 @@ def test_no_target_is_out_of_reach_because_a_relative_says_so(
     found = relatives.calibrate(relatives.Calibration("basins", "wrong", "cheap", 1))
     assert found["status"] != "unreachable"
     assert found["off"] <= 1.0
+
+
+def test_no_proposal_is_for_no_test_when_known_relatives_are_dropped() -> None:
+    names = ("a", "b")
+    free = [gf.Parameter("sliding", 0.0, 1.0), gf.Parameter("rolling", 0.0, 1.0)]
+    scopes = [gf.TestScope(name, [f"{name}.angle"], ["sliding", "rolling"]) for name in names]
+    targets = [gf.Target(f"{name}.angle", 25.0, uncertainty=0.3) for name in names]
+    random = np.random.default_rng(1)
+
+    def evaluation(proposal: gf.Proposal, values: Mapping[str, float]) -> Evaluation:
+        responses = {name: gf.Response(value) for name, value in values.items()}
+        asked = [name for name in names if proposal.asks_for(name)]
+        failures = {} if values else dict.fromkeys(asked, "no heap")
+        return Evaluation(proposal, responses, failures)
+
+    relatives = [Relative(name, None) for name in names]
+    known = []
+    for number, (sliding, rolling) in enumerate(random.random((40, 2))):
+        place = {"sliding": float(sliding), "rolling": float(rolling)}
+        proposal = gf.Proposal(place, number, "design", tuple(one.name for one in relatives))
+        angles = {f"{one.name}.angle": 21 + 10 * float(sliding) for one in relatives}
+        known.append(evaluation(proposal, angles))
+    search = gf.Sequential().start(gf.Problem(free, targets, tests=scopes), 1)
+    search.learn_from_near(known, names)
+
+    for number in range(20):
+        asked = search.ask()
+        assert asked is not None
+        assert asked.tests != ()
+        # Three places are enough with a relative, and not without.
+        found = {
+            f"{name}.angle": 20 + 10 * asked.parameters["sliding"] + 1.5 * random.normal()
+            for name in names
+            if number < 3
+        }
+        search.note(evaluation(asked, found))

@@ -624,7 +624,7 @@ class SequentialSearch(Search):
             scope.name
             for scope in self.problem.scopes
             for names in [set(scope.targets).intersection(self.problem.responses)]
-            if not can_be_fitted(self.problem, self.known, names)
+            if not can_be_fitted(self._problem_to_believe, self.known, names)
         ]
         return self._some(lacking)
 
