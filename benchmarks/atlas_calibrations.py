@@ -30,17 +30,16 @@ import numpy as np
 
 from atlas_fresh import Run as FreshRun
 from atlas_fresh import fresh_rows
+from atlas_guide import FREE, RESPONSES, problem_of
 from atlas_rows import point
 from grainfit.atlas.strata import Stratum, strata
-from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.calibration.calibrate import calibrate
 from grainfit.errors import GrainfitError
-from grainfit.problem import Parameter, Problem, Target
+from grainfit.problem import Problem
 from grainfit.solvers.dem.lammps.program import Lammps
-from kept_runs import read, scatter, write
+from kept_runs import read, scatter, standard_error, write
 
-TOLERANCES = {"bulk_density": 0.01, "angle_of_repose": 1.0}
-_FREE = (SLIDING, ROLLING, DENSITY)
+_ANGLE = 1.0
 _FEWEST = 3
 
 
@@ -59,47 +58,34 @@ def _heap() -> Stratum:
 def measured(fresh: Path, number: int) -> dict[str, list[float]]:
     """Return the responses of all runs of a material."""
     records = [r for run, r in read(fresh, FreshRun).items() if run.number == number]
-    found = [
-        one["responses"] for one in records if TOLERANCES.keys() <= one.get("responses", {}).keys()
-    ]
-    return {name: [one[name] for one in found] for name in TOLERANCES}
+    found = [r["responses"] for r in records if r.get("responses", {}).keys() >= {*RESPONSES}]
+    return {name: [one[name] for one in found] for name in RESPONSES}
 
 
 def materials(fresh: Path) -> list[int]:
     """Return the numbers of the materials, those with the cheapest runs first."""
+    records = read(fresh, FreshRun)
     seconds = {
-        row.number: mean(
-            r["seconds"] for run, r in read(fresh, FreshRun).items() if run.number == row.number
-        )
+        row.number: mean(r["seconds"] for run, r in records.items() if run.number == row.number)
         for row in fresh_rows(fresh, _heap())
     }
     return sorted(seconds, key=seconds.__getitem__)
 
 
-def tolerances(values: Mapping[str, list[float]]) -> dict[str, float]:
-    """Return the tolerances of the measured means, SI."""
-    return {
-        "bulk_density": TOLERANCES["bulk_density"] * mean(values["bulk_density"]),
-        "angle_of_repose": 1.0,
-    }
+def problem_in(fresh: Path, number: int) -> Problem:
+    """Return the problem of a material, measured by the means of its runs."""
+    stratum = _heap()
+    _, material = stratum.simulated(point(stratum, number))
+    means = {name: mean(values) for name, values in measured(fresh, number).items()}
+    return problem_of(stratum, material, means, _ANGLE)
 
 
 def record_of(run: Run, fresh: Path) -> dict[str, Any]:
     """Calibrate once."""
-    stratum, values = _heap(), measured(fresh, run.material)
+    stratum = _heap()
     test, material = stratum.simulated(point(stratum, run.material))
-    allowed = tolerances(values)
-    problem = Problem(
-        [
-            *(
-                Parameter(n, stratum.ranges[n].low, stratum.ranges[n].high, "log")
-                for n in (SLIDING, ROLLING)
-            ),
-            Parameter(DENSITY, 0.8 * material[DENSITY], 1.2 * material[DENSITY]),
-        ],
-        [Target(name, mean(values[name]), uncertainty=allowed[name]) for name in TOLERANCES],
-    )
-    fixed = {name: one for name, one in material.items() if name not in _FREE}
+    problem = problem_in(fresh, run.material)
+    fixed = {name: one for name, one in material.items() if name not in FREE}
     try:
         result = calibrate(
             problem, {"heap": Lammps(test, fixed)}, seed=run.seed, atlas=run.atlas, near_runs=False
@@ -108,7 +94,7 @@ def record_of(run: Run, fresh: Path) -> dict[str, Any]:
         return {"status": "failed", "why": str(error)}
     held = {
         name: result.intervals[name].low <= material[name] <= result.intervals[name].high
-        for name in _FREE
+        for name in FREE
         if name in result.intervals
     }
     return {"runs": result.runs.total, "status": result.status, "held": held}
@@ -120,7 +106,8 @@ def table(records: Mapping[Run, dict[str, Any]], fresh: Path) -> Iterator[str]:
     yield "|---" * 5 + "|"
     for number in dict.fromkeys(run.material for run in records):
         values = measured(fresh, number)
-        limits = [(2 * scatter(values[n]) / one) ** 2 for n, one in tolerances(values).items()]
+        targets = problem_in(fresh, number).targets
+        limits = [(2 * scatter(values[one.name]) / one.tolerance) ** 2 for one in targets]
         own = {run: r for run, r in records.items() if run.material == number}
         runs = {
             atlas: ", ".join(
@@ -140,8 +127,8 @@ def table(records: Mapping[Run, dict[str, Any]], fresh: Path) -> Iterator[str]:
         and "runs" in other
     ]
     if len(differences) > 1:
-        error = np.std(differences, ddof=1) / math.sqrt(len(differences))
-        yield f"| runs with less those without | | | {np.mean(differences):+.1f} ± {error:.1f} | |"
+        error = standard_error(differences)
+        yield f"| runs with less those without | | | {mean(differences):+.1f} ± {error:.1f} | |"
     for atlas in (False, True):
         own_runs = [r["runs"] for run, r in records.items() if run.atlas == atlas and "runs" in r]
         held = [

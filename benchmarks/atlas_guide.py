@@ -2,11 +2,10 @@
 
 The truth is the metamodel of a heap that all rows of the atlas give; runs scatter about it as
 recorded runs do. The atlas that guides has a random half of the rows, so that it errs as an
-atlas does.
-Materials are rows of the other half: both frictions and the density of the particles are free in
-wide intervals, the bulk density is measured to 1 %, the angle of repose to ``--angle`` degrees.
-``--wrong`` shifts what the guiding atlas says by three tolerances. The guide "truth" is the
-metamodel itself: no atlas can know more.
+atlas does. Materials are rows of the other half: both frictions and the density of the particles
+are free in wide intervals, the bulk density is measured to 1 %, the angle of repose to ``--angle``
+degrees. ``--wrong`` shifts what the guiding atlas says by three tolerances. The guide "truth" is
+the metamodel itself: no atlas can know more.
 
     python benchmarks/atlas_guide.py --kept FILE [--materials 20] [--angle 1] [--wrong] [--table]
 
@@ -17,7 +16,6 @@ how many of those called calibrated miss a target in truth.
 from __future__ import annotations
 
 import argparse
-import math
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -33,7 +31,7 @@ from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.reading import Reading
 from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas
-from grainfit.atlas.strata import strata
+from grainfit.atlas.strata import Stratum, strata
 from grainfit.atlas.surrogate import ResponseModel, Surrogate
 from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.calibration.calibrate import calibrate
@@ -41,10 +39,10 @@ from grainfit.evaluation import Response
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Workspace
 from grainfit.solvers.dem.lammps.program import Lammps
-from kept_runs import measure, read
+from kept_runs import measure, read, standard_error
 
 RESPONSES = ("bulk_density", "angle_of_repose")
-_FREE = (SLIDING, ROLLING, DENSITY)
+FREE = (SLIDING, ROLLING, DENSITY)
 _GUIDES = ("none", "atlas", "truth")
 _SHIFT = 3.0
 
@@ -56,6 +54,33 @@ class Run(NamedTuple):
     guide: str
     angle: float
     wrong: bool
+
+
+def problem_of(
+    stratum: Stratum, material: Mapping[str, float], measured: Mapping[str, float], angle: float
+) -> Problem:
+    """Return the problem of a heap whose material is unknown within wide intervals.
+
+    Parameters
+    ----------
+    stratum : Stratum
+        Both frictions are free over its rows.
+    material : mapping of str to float
+        The true one: the density of the particles is free within 20 %.
+    measured : mapping of str to float
+        Responses, SI: the bulk density to 1 %.
+    angle : float
+        Tolerance of the angle of repose, degrees.
+    """
+    ranges = stratum.ranges
+    tolerances = {"bulk_density": 0.01 * measured["bulk_density"], "angle_of_repose": angle}
+    return Problem(
+        [
+            *(Parameter(n, ranges[n].low, ranges[n].high, "log") for n in (SLIDING, ROLLING)),
+            Parameter(DENSITY, 0.8 * material[DENSITY], 1.2 * material[DENSITY]),
+        ],
+        [Target(n, measured[n], uncertainty=tolerances[n]) for n in RESPONSES],
+    )
 
 
 class EmulatedHeap(Lammps):
@@ -139,22 +164,15 @@ class Trial:
         """Calibrate once."""
         row = self.materials[run.material]
         test, material = self.stratum.simulated(row.inputs)
-        ranges = self.stratum.ranges
-        fixed = {name: one for name, one in material.items() if name not in _FREE}
+        fixed = {name: one for name, one in material.items() if name not in FREE}
         heap = EmulatedHeap(test, fixed)
         heap.truth, heap.reading = self.truth, Reading(heap, material)
-        true = heap.expected({name: material[name] for name in _FREE})
-        tolerances = {"bulk_density": 0.01 * true["bulk_density"][0], "angle_of_repose": run.angle}
-        problem = Problem(
-            [
-                *(Parameter(n, ranges[n].low, ranges[n].high, "log") for n in (SLIDING, ROLLING)),
-                Parameter(DENSITY, 0.8 * material[DENSITY], 1.2 * material[DENSITY]),
-            ],
-            [Target(n, true[n][0], uncertainty=tolerances[n]) for n in RESPONSES],
-        )
+        true = heap.expected({name: material[name] for name in FREE})
+        values = {name: mean for name, (mean, _) in true.items()}
+        problem = problem_of(self.stratum, material, values, run.angle)
         told = self.atlases.get(run.guide)
         if run.wrong and told is not None:
-            told = _Shifted(told, {n: _SHIFT * t / true[n][0] for n, t in tolerances.items()})
+            told = _Shifted(told, {t.name: _SHIFT * t.tolerance / t.value for t in problem.targets})
         with patch("grainfit.atlas.expectation.shipped_atlas", lambda: told):
             result = calibrate(
                 problem, heap, seed=run.material + 1, atlas=told is not None, near_runs=False
@@ -193,7 +211,7 @@ def _difference(kind: tuple[str, float, bool], records: Mapping[Run, dict[str, A
     ]
     if len(found) < 2:
         return ""
-    return f"{np.mean(found):+.1f} ± {np.std(found, ddof=1) / math.sqrt(len(found)):.1f}"
+    return f"{np.mean(found):+.1f} ± {standard_error(found):.1f}"
 
 
 def main() -> None:

@@ -72,6 +72,11 @@ def scatter(values: Sequence[float]) -> float:
     return float(np.std(values, ddof=1))
 
 
+def standard_error(values: Sequence[float]) -> float:
+    """Return the standard error of the mean."""
+    return scatter(values) / len(values) ** 0.5
+
+
 def mean_and(spread: Callable[[Sequence[float]], float], values: Sequence[float]) -> str:
     """Return the mean and a measure of the spread of values in words."""
     found = spread(values) if len(values) > 1 else float("nan")

@@ -13,6 +13,7 @@ from grainfit.atlas.forecast import values_at
 from grainfit.atlas.reading import DamagedAtlasError, NotInAtlasError
 from grainfit.atlas.shelf import Atlas
 from grainfit.evaluation import Evaluation, Proposal, Response, scalars
+from grainfit.metamodels.known_runs import nearest_and_spread
 from grainfit.metamodels.unit_cube import spread_points
 from grainfit.problem import Problem, Relative, Target, TestScope
 from grainfit.solvers.base import Solver
@@ -143,10 +144,7 @@ def _chosen(targets: Sequence[Target], found: Mapping[str, Sequence[Response]]) 
         [(one.value - target.value) / target.tolerance for one in found[target.name]]
         for target in targets
     ]
-    ranked = np.argsort((np.array(off) ** 2).sum(axis=0), kind="stable")
-    best, others = np.split(ranked, [_KEPT // 2])
-    left = _KEPT - len(best)
-    return sorted([*best.tolist(), *others[np.arange(left) * len(others) // left].tolist()])
+    return sorted(nearest_and_spread((np.array(off) ** 2).sum(axis=0), _KEPT))
 
 
 def _expected(

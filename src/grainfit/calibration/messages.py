@@ -10,9 +10,9 @@ LEFT_OUT = Message("is None.", "Leave it out for the default.")
 GUIDED_BY_ATLAS = Message(
     "What the atlas expects of {tests} guides the search, and no verdict rests on it."
 )
+WITHOUT_ATLAS = Message("The search goes on without the atlas: {why}.")
 
 # Tests, targets and parameters that do not fit together.
-WITHOUT_ATLAS = Message("The search goes on without the atlas: {why}.")
 TARGET_NOBODY_YIELDS = Message(
     "is a target, but no test yields such a response.", "There are: {responses}."
 )

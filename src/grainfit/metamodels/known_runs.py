@@ -102,7 +102,20 @@ def _of_those_inside(
 ) -> list[int]:
     points = np.array([problem.to_unit(e.proposal.parameters) for e in evaluations])
     centre = problem.to_unit(near) if near else _first_guess(problem, evaluations, seed)
-    ranked = np.argsort(((points - centre) ** 2).sum(axis=1), kind="stable")
+    return nearest_and_spread(((points - centre) ** 2).sum(axis=1), most)
+
+
+def nearest_and_spread(distances: Array, most: int) -> list[int]:
+    """Choose places of a limited number: half have the least distances, the others are spread.
+
+    Parameters
+    ----------
+    distances : ndarray, shape (n,)
+        More than ``most``.
+    most : int
+        How many are chosen.
+    """
+    ranked = np.argsort(distances, kind="stable")
     nearest, others = np.split(ranked, [most // 2])
     left = most - len(nearest)
     return [*nearest.tolist(), *others[np.arange(left) * len(others) // left].tolist()]
