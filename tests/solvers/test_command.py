@@ -685,12 +685,12 @@ def test_a_template_that_never_ends_is_ended_by_the_time_out(tmp_path, text):
     started = time.monotonic()
 
     with pytest.raises(
-        RunFailedError, match=messages.FILLING_TOO_LONG.matching(where="deck.j2", timeout=0.5)
+        RunFailedError, match=messages.FILLING_TOO_LONG.matching(where="deck.j2", timeout=4)
     ) as caught:
-        solver.run({"x": 1.0}, 1, workspace(tmp_path, timeout=0.5))
+        solver.run({"x": 1.0}, 1, workspace(tmp_path, timeout=4.0))
 
     assert caught.value.kind == "timeout"
-    # It never ends by itself.
+    # It never ends by itself; a busy machine needs a part of the time to start a process.
     assert time.monotonic() - started < 60
 
 

@@ -568,7 +568,7 @@ def test_child_with_a_session_of_its_own_is_ended_too(tmp_path):
         "time.sleep(600)\n"
     )
     with pytest.raises(RunFailedError, match=messages.TOO_LONG.pattern):
-        run_process([PYTHON, "-c", code], Workspace(tmp_path, timeout=0.5))
+        run_process([PYTHON, "-c", code], Workspace(tmp_path, timeout=4.0))
 
     assert not is_running((tmp_path / "pid").read_text())
 
