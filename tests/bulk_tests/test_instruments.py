@@ -151,6 +151,14 @@ def test_examples_of_stresses_follow_the_stress_of_an_instrument() -> None:
     assert 'targets.major_consolidation_stress = { value = "750 Pa"' in text
 
 
+def test_examples_of_a_heap_on_a_disc_have_its_height_and_no_base() -> None:
+    text = starter_test("granuheap")
+    assert "base_radius" not in text
+    # 20 mm at 22 degrees.
+    assert 'targets.heap_height = { value = "8.08 mm"' in text
+    assert 'targets.base_radius = { value = "130 mm"' in starter_test("heap")
+
+
 @pytest.mark.parametrize(
     ("apparatus", "test", "line", "dropped"),
     [

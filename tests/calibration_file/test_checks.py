@@ -137,6 +137,11 @@ CASES = {
         heap('plate_radius = "65 mm"\ntargets.heap_height = { value = "53 mm" }'),
         "plate_radius = ",
     ),
+    "base-of-disc": (
+        "warning",
+        heap('base = "disc"\ntargets.base_radius = { value = "130 mm" }'),
+        "targets.base_radius = ",
+    ),
     "smooth-plate": (
         "warning",
         changed(("plate_sliding_friction = 0.5", "plate_sliding_friction = 0.1")),

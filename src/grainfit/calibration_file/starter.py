@@ -13,6 +13,7 @@ from grainfit.bulk_tests.coarse_graining import coarse_grained
 from grainfit.bulk_tests.instrument import Instrument, instrument_names, read_instrument
 from grainfit.bulk_tests.outline import concepts
 from grainfit.bulk_tests.registry import bulk_tests
+from grainfit.bulk_tests.shared.plate import ON_DISC
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.suited_material import suited_to
 from grainfit.contact_models.registry import CONTACT_MODELS
@@ -116,6 +117,7 @@ _POWERS = {
 _QUANTITY = re.compile(rf'"([\d.]+) ({"|".join(map(re.escape, _POWERS))})"')
 #: Stresses in the examples, and the normal stress that they are of, Pa.
 _STRESS, _STRESS_OF_EXAMPLES = re.compile(r'"([\d.]+) Pa"'), 500.0
+_ANGLE_OF_EXAMPLES = "22 deg"
 #: Size of a heap in diameters, at an angle of repose of 45 degrees, and the power of the tangent of
 #: the angle that it follows: fitted to simulated heaps of rough spheres of 20 to 41 degrees, of
 #: which all are within 2 % in radius and 8 % in height. A cone of given volume has powers of -1/3
@@ -313,9 +315,18 @@ def _test(
             yield _with_remark(line, "of the instrument; here it would override it")
         else:
             yield from _option(key, material, set_options.get(key.name))
+    disc = _disc_of(instrument)
     for response, info in test.responses.items():
-        example = _at_stress(info.example, instrument)
-        yield f"targets.{response} = {example_target(response, example, material)}"
+        # A heap on a disc ends at its edge, whatever the material.
+        if disc is None or response != "base_radius":
+            example = _at_stress(info.example, instrument)
+            yield f"targets.{response} = {example_target(response, example, material, disc)}"
+
+
+def _disc_of(instrument: Instrument | None) -> float | None:
+    """Return the radius of the disc on which an instrument makes heaps, mm, if it has one."""
+    values = instrument.values if instrument else {}
+    return to_unit(values["plate_radius"], "mm") if values.get("base") == ON_DISC else None
 
 
 def _option(key: Key, material: StartingMaterial | None, why_set: str | None) -> Iterator[str]:
@@ -371,7 +382,9 @@ def scaled_example(example: str, material: StartingMaterial | None) -> str:
     return _QUANTITY.sub(of_material, example)
 
 
-def example_target(response: str, example: str, material: StartingMaterial | None) -> str:
+def example_target(
+    response: str, example: str, material: StartingMaterial | None, disc: float | None = None
+) -> str:
     """Return an example of a target: the material's own value, or one that agrees with it.
 
     Parameters
@@ -382,16 +395,28 @@ def example_target(response: str, example: str, material: StartingMaterial | Non
         TOML, for particles of `DIAMETER_OF_EXAMPLES`.
     material : StartingMaterial, optional
         The material; without it the example is as it was.
+    disc : float, optional
+        Radius of the disc that a heap covers, mm.
     """
     target = scaled_example(example, material)
-    if material is None:
-        return target
-    value = material.example_targets.get(response)
-    if response in _SIZE_OF_HEAP:
-        diameters, power = _SIZE_OF_HEAP[response]
-        slope = tan(radians(to_unit(material.example_targets["angle_of_repose"], "deg")))
-        value = f"{_rounded(diameters * _diameter(material) * slope**power)} mm"
+    value = material.example_targets.get(response) if material else None
+    if response in _SIZE_OF_HEAP and (size := _size_of_heap(response, material, disc)):
+        value = f"{_rounded(size)} mm"
     return target if value is None else re.sub(r'value = "[^"]*"', f'value = "{value}"', target)
+
+
+def _size_of_heap(
+    response: str, material: StartingMaterial | None, disc: float | None
+) -> float | None:
+    """Return radius or height of a heap, mm; None for the heap that the examples are of."""
+    angle = material.example_targets["angle_of_repose"] if material else _ANGLE_OF_EXAMPLES
+    slope = tan(radians(to_unit(angle, "deg")))
+    if disc is not None:
+        return disc * slope
+    if material is None:
+        return None
+    diameters, power = _SIZE_OF_HEAP[response]
+    return diameters * _diameter(material) * slope**power
 
 
 def _diameter(material: StartingMaterial) -> float:

@@ -26,6 +26,7 @@ from grainfit.bulk_tests.shared.plate import (
     ROUGH_PLATE,
     STEEPEST,
     assumed_plate,
+    base_of_disc,
     base_option,
     plate_friction,
     plate_walls,
@@ -145,6 +146,7 @@ class Funnel(BulkTest):
         narrow_orifice(lambda test: test.setup.outlet),
         funnel_in_heap,
         small_plate,
+        base_of_disc,
         smooth_plate,
         assumed_plate,
     )

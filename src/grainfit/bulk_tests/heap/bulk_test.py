@@ -31,6 +31,7 @@ from grainfit.bulk_tests.shared.plate import (
     PLATE,
     ROUGH_PLATE,
     assumed_plate,
+    base_of_disc,
     base_option,
     plate_friction,
     plate_walls,
@@ -161,6 +162,7 @@ class Heap(BulkTest):
     checks: ClassVar[Checks] = (
         surplus_particles,
         small_plate,
+        base_of_disc,
         smooth_plate,
         assumed_plate,
         narrow_cylinder,

@@ -102,6 +102,11 @@ SMALL_PLATE = Message(
     "about {radius}, and a run whose heap reaches the edge fails.",
     'Use plate_radius = "{least}" or more.',
 )
+BASE_OF_DISC = Message(
+    "the measured base radius is {radius}, but a heap on a disc ends at its edge, at {disc}: no "
+    "run meets the target.",
+    "Leave base_radius out, as it tells nothing of the material; or correct it, or plate_radius.",
+)
 NOT_COVERED = Message(
     "the heap does not cover the disc: its base radius is {base:.1f} particle diameters, that of "
     "the disc {disc:.1f}.",

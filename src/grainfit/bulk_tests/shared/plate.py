@@ -31,6 +31,8 @@ ROUGH_PLATE: Mapping[str, Amount] = {
     "plate_rolling_friction": AS_PARTICLES,
 }
 
+#: Diameters from the edge of its disc within which a heap that covers it ends.
+_AT_EDGE = 2.0
 #: An angle of which there is no cone, degrees.
 STEEPEST = 90.0
 #: Glass beads and rough spheres of 10 mm make no heap at a sliding friction of 0.1 and of 0.15;
@@ -151,6 +153,20 @@ def small_plate(checked: CheckedTest[Any]) -> Iterator[Found]:
                 radius=millimetres(radius),
                 least=millimetres(radius + 3 * diameter),
             ),
+        )
+
+
+@check("base-of-disc", "warning")
+def base_of_disc(checked: CheckedTest[Any]) -> Iterator[Found]:
+    """Measured base radii other than that of the disc which the heap covers."""
+    setup, diameter = checked.test.setup, checked.test.sizes.sauter_diameter
+    radius = checked.targets.get("base_radius")
+    if setup.base != ON_DISC or radius is None:
+        return
+    if abs(radius - setup.plate_radius) > _AT_EDGE * diameter:
+        yield (
+            "targets.base_radius",
+            messages.BASE_OF_DISC(radius=millimetres(radius), disc=millimetres(setup.plate_radius)),
         )
 
 
