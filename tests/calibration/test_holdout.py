@@ -680,3 +680,22 @@ def test_a_hold_out_that_cannot_be_simulated_is_refused_before_the_search(
 def test_the_time_out_of_a_hold_out_may_have_a_unit() -> None:
     assert gf.Holdout("drum", Drum(), timeout="2 min").timeout == 120
     assert gf.Holdout("drum", Drum(), timeout=math.inf).timeout == math.inf
+
+
+def test_a_prediction_names_why_some_of_its_runs_failed() -> None:
+    tries: list[int] = []
+
+    def jams(parameters: dict[str, float], seed: int) -> dict[str, float]:
+        tries.append(seed)
+        if len(tries) % 5 == 4:
+            raise gf.RunFailedError("the slot is choked")
+        return {"flow": parameters["friction"]}
+
+    drum = gf.Holdout("drum", gf.solvers.PythonCallable(jams, ["flow"], identity="jams"))
+    (found,) = gf.calibrate(problem(), heap, holdouts=[drum]).holdouts
+
+    assert found.state == "simulated"
+    said = {"failed": found.failed, "runs": f"{RUNS} runs", "why": found.why}
+    assert found.failed == len(tries) // 5 + (len(tries) % 5 == 4)
+    assert messages.HOLDOUT_SOME_FAILED(test="drum", **said) in str(found)
+    assert "the slot is choked" in found.why

@@ -318,6 +318,7 @@ def predict_holdout(
         basis=material.basis,
         runs=sum(len(one.runs) for one in parts.all),
         failed=sum(len(one.failed_runs) for one in parts.all),
+        why="; ".join(_reasons(parts.all)),
     )
     if why:
         return replace(ended, state="failed", why=why)
@@ -325,7 +326,7 @@ def predict_holdout(
     given = dict.fromkeys(sorted({name for one in parts.all for name in one.responses}))
     try:
         if not (holdout.needed or given):
-            raise RunFailedError("; ".join(_reasons(parts.all)))
+            raise RunFailedError(ended.why)
         found = {
             name: predict_response(own, name, parts, sample, target, _unit(solver, name))
             for name, target in (measured if holdout.needed else given).items()

@@ -226,7 +226,7 @@ class HoldoutResult(OneLine):
     runs, failed : int
         Number of its runs, and of those that failed.
     why : str
-        Reason where it failed.
+        Reason where it failed, or why some of its runs did.
     curves : mapping of str to HoldoutCurve
         By name of the measured curve.
     """
@@ -264,6 +264,9 @@ class HoldoutResult(OneLine):
                 yield messages.HOLDOUT_FAILED(test=self.test, why=self.why)
         for name, found in self.predictions.items():
             yield found.in_words(f"{self.test}.{name}")
+        if self.predictions and self.failed:
+            said = {"failed": self.failed, "runs": counted(self.runs, "run")}
+            yield messages.HOLDOUT_SOME_FAILED(test=self.test, why=self.why, **said)
         if self.predictions and self.basis == "intervals":
             yield messages.HOLDOUT_OF_INTERVALS(test=self.test)
         if self.predictions and self.basis == "values":

@@ -268,6 +268,7 @@ HOLDOUT_NOT_CALIBRATED = Message(
     "'grainfit predict FILE' simulates it all the same.",
 )
 HOLDOUT_FAILED = Message(f"Hold-out {{test}}: {HOLDOUT_STATES['failed']}. {{why}}")
+HOLDOUT_SOME_FAILED = Message("Hold-out {test}: {failed} of {runs} failed. {why}")
 HOLDOUT_LATE = Message(
     "Hold-out {test} was registered on {date}, when {runs} of the work folder were known."
 )
