@@ -95,7 +95,7 @@ class OwnModel(gf.Solver):
     [
         ("heap", (SLIDING, ROLLING)),
         ("heap-cohesive", (SLIDING, "particle_particle.surface_energy")),
-        ("heap-clumps", (SLIDING, ASPECT_RATIO)),
+        pytest.param("heap-clumps", (SLIDING, ASPECT_RATIO), marks=pytest.mark.thorough),
     ],
 )
 def test_the_intervals_of_an_estimate_hold_the_material_of_a_row(

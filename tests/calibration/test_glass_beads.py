@@ -77,6 +77,7 @@ def test_glass_beads_are_calibrated_with_few_runs(tmp_path: Path) -> None:
 
 
 @needs_liggghts
+@pytest.mark.thorough
 def test_the_density_of_beads_in_a_packing_is_calibrated_on_liggghts(tmp_path: Path) -> None:
     # A narrower container takes half the time; its wall loosens the bed by a percent.
     small = '"liggghts"\\ncylinder_radius = "45 mm"'

@@ -74,9 +74,12 @@ def heap(executable: str | None = None) -> Lammps:
 
 def programs_in(folder: Path) -> set[str]:
     found = set()
+    # A child that has not yet become another program still is this one.
+    own = Path("/proc/self/cmdline").read_bytes()
     for process in Path("/proc").glob("[0-9]*"):
         try:
-            if (process / "cwd").readlink() == folder:
+            is_other = (process / "cmdline").read_bytes() != own
+            if is_other and (process / "cwd").readlink() == folder:
                 found.add((process / "exe").readlink().name)
         except OSError:
             continue
