@@ -11,7 +11,7 @@ import os
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, as_completed
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -101,7 +101,7 @@ def grow(
     stratum: Stratum,
     path: Path,
     count: int,
-    processes: int = 1,
+    executor: Executor,
     solver: str = REFERENCE,
     repeats: int = 0,
     least_chance: float = 0.0,
@@ -116,8 +116,8 @@ def grow(
         File of its rows, which are added at its end.
     count : int
         Rows that the design has then.
-    processes : int
-        Runs at a time.
+    executor : concurrent.futures.Executor
+        Makes the runs, here or in the jobs of a cluster.
     solver : str
         That simulates them.
     repeats : int
@@ -129,35 +129,46 @@ def grow(
     """
     design = {number: point(stratum, number) for number in range(count)}
     likely = likely_points(stratum, rows_in(path), design, least_chance)
-    yield from _make(stratum, path, likely, processes, solver)
+    yield from _make(stratum, path, likely, executor, solver)
     rows = [row for row in rows_in(path) if row.responses and not row.is_repeat]
     again = {REPEATS + row.number: row.inputs for row in rows[:repeats]}
-    yield from _make(stratum, path, again, processes, solver)
+    yield from _make(stratum, path, again, executor, solver)
 
 
 def _make(
     stratum: Stratum,
     path: Path,
     wanted: Mapping[int, Mapping[str, float]],
-    processes: int,
+    executor: Executor,
     solver: str,
 ) -> Iterator[Row]:
-    """Make the rows that are missing, inputs by number, and yield each when it is kept."""
+    """Make the rows that are missing, inputs by number, and yield each when it is kept.
+
+    Those that are lost with a job are missing still: the first error is raised after the others.
+    """
     known = {row.number for row in rows_in(path) if is_of_today(stratum, row)}
     missing = {number: inputs for number, inputs in wanted.items() if number not in known}
-    with ProcessPoolExecutor(processes) as pool, path.open("a", encoding="utf-8") as file:
+    lost: list[BaseException] = []
+    with path.open("a", encoding="utf-8") as file:
         # A line that was cut off must not swallow the next one.
         file.write("\n" if file.tell() else "")
-        waiting = [pool.submit(made, stratum, n, solver, inputs) for n, inputs in missing.items()]
+        of_rows = [(stratum, number, solver, inputs) for number, inputs in missing.items()]
+        waiting = [executor.submit(made, *of_row) for of_row in of_rows]
         try:
             for done in as_completed(waiting):
+                if error := done.exception():
+                    lost.append(error)
+                    continue
                 row = done.result()
                 file.write(row.to_text() + "\n")
                 file.flush()
                 os.fsync(file.fileno())
                 yield row
         finally:
-            pool.shutdown(cancel_futures=True)
+            for one in waiting:
+                one.cancel()
+    if lost:
+        raise lost[0]
 
 
 def likely_points(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import resource
 import sys
 import tempfile
@@ -74,7 +75,7 @@ def scatter(values: Sequence[float]) -> float:
 
 def standard_error(values: Sequence[float]) -> float:
     """Return the standard error of the mean."""
-    return scatter(values) / len(values) ** 0.5
+    return scatter(values) / math.sqrt(len(values))
 
 
 def mean_and(spread: Callable[[Sequence[float]], float], values: Sequence[float]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -76,7 +77,8 @@ def test_growing_continues_behind_a_line_that_was_cut_off(tmp_path: Path) -> Non
     kept = rows_in(SHIPPED / "packing.jsonl")[0].to_text()
     path.write_text(f"{kept}\n{kept[:50]}")
 
-    made_now = [row.number for row in grow(strata()["packing"], path, 2, repeats=1)]
+    with ThreadPoolExecutor(1) as pool:
+        made_now = [row.number for row in grow(strata()["packing"], path, 2, pool, repeats=1)]
 
     assert made_now == [1, REPEATS]
     first, _, again = rows_in(path)

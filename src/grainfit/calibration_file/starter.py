@@ -416,7 +416,7 @@ def _size_of_heap(
     if material is None:
         return None
     diameters, power = _SIZE_OF_HEAP[response]
-    return diameters * _diameter(material) * slope**power
+    return diameters * _diameter(material) * float(slope**power)
 
 
 def _diameter(material: StartingMaterial) -> float:
