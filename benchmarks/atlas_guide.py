@@ -1,11 +1,11 @@
 """Runs until the verdict with and without the atlas as a guide.
 
 The truth is the metamodel of a heap that all rows of the atlas give; runs scatter about it as
-recorded runs do. The atlas that guides has a random half of the rows, so that it errs as an
-atlas does. Materials are rows of the other half: both frictions and the density of the particles
-are free in wide intervals, the bulk density is measured to 1 %, the angle of repose to ``--angle``
-degrees. ``--wrong`` shifts what the guiding atlas says by three tolerances. The guide "truth" is
-the metamodel itself: no atlas can know more.
+recorded runs do, and fail as often as its rows say. The atlas that guides has a random half of the
+rows, so that it errs as an atlas does. Materials are rows of the other half at which a run rarely
+fails: both frictions and the density of the particles are free in wide intervals, the bulk density
+is measured to 1 %, the angle of repose to ``--angle`` degrees. ``--wrong`` shifts what the guiding
+atlas says by three tolerances. The guide "truth" is the metamodel itself: no atlas can know more.
 
     python benchmarks/atlas_guide.py --kept FILE [--materials 20] [--angle 1] [--wrong] [--table]
 
@@ -29,12 +29,13 @@ from atlas_estimates import atlas_of
 from grainfit.arrays import Array
 from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.reading import Reading
-from grainfit.atlas.row import rows_in
+from grainfit.atlas.row import Row, rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas
 from grainfit.atlas.strata import Stratum, strata
-from grainfit.atlas.surrogate import ResponseModel, Surrogate
+from grainfit.atlas.surrogate import ResponseModel, Surrogate, points_of
 from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.calibration.calibrate import calibrate
+from grainfit.errors import RunFailedError
 from grainfit.evaluation import Response
 from grainfit.problem import Parameter, Problem, Target
 from grainfit.solvers.base import Workspace
@@ -45,6 +46,7 @@ RESPONSES = ("bulk_density", "angle_of_repose")
 FREE = (SLIDING, ROLLING, DENSITY)
 _GUIDES = ("none", "atlas", "truth")
 _SHIFT = 3.0
+_RARELY_FAILS = 0.8
 
 
 class Run(NamedTuple):
@@ -100,14 +102,21 @@ class EmulatedHeap(Lammps):
             found[name] = float(mean.item()), float(scatter.item())
         return found
 
+    def chance(self, parameters: Mapping[str, float]) -> float:
+        """Return the chance that a run has all responses."""
+        shares = self.reading.shares({name: np.array([one]) for name, one in parameters.items()})
+        return min(float(self.truth.models[name].chance_at(shares).item()) for name in RESPONSES)
+
     def run(
         self,
         parameters: Mapping[str, float],
         seed: int,
         workspace: Workspace | None = None,  # noqa: ARG002
     ) -> dict[str, Response]:
-        """Return the true responses with their scatter."""
+        """Return the true responses with their scatter, unless there is no heap."""
         random = np.random.default_rng(seed)
+        if random.random() > self.chance(parameters):
+            raise RunFailedError("there is no heap")
         return {
             name: Response(mean + scatter * random.standard_normal())
             for name, (mean, scatter) in self.expected(parameters).items()
@@ -158,7 +167,12 @@ class Trial:
             if not row.is_repeat
             and row.point not in known
             and set(RESPONSES) <= row.responses.keys()
+            and self._chance(row) > _RARELY_FAILS
         ]
+
+    def _chance(self, row: Row) -> float:
+        at = points_of([row], self.stratum.ranges)
+        return min(float(self.truth.models[name].chance_at(at).item()) for name in RESPONSES)
 
     def record_of(self, run: Run) -> dict[str, Any]:
         """Calibrate once."""
@@ -178,7 +192,12 @@ class Trial:
                 problem, heap, seed=run.material + 1, atlas=told is not None, near_runs=False
             )
         met = problem.is_met_by([heap.expected(result.parameters)[n][0] for n in RESPONSES])
-        return {"runs": result.runs.total, "status": result.status, "met": met}
+        return {
+            "runs": result.runs.total,
+            "failed": result.runs.failed,
+            "status": result.status,
+            "met": met,
+        }
 
 
 def table(records: Mapping[Run, dict[str, Any]]) -> Iterator[str]:

@@ -31,7 +31,11 @@ MORE = [
     ),
     gf.Parameter("particle_particle.restitution", 0.3, 0.8),
 ]
-FIXED = {name: value for name, value in ROUGH_SPHERES.items() if name not in (SLIDING, ROLLING)}
+UNDAMPED = {
+    name: 0.0 if name.endswith("rolling_damping") else value
+    for name, value in ROUGH_SPHERES.items()
+}
+FIXED = {name: value for name, value in UNDAMPED.items() if name not in (SLIDING, ROLLING)}
 ANGLE = gf.Target("angle_of_repose", "21.6 deg", uncertainty="1 deg")
 RADIUS = gf.Target("base_radius", "130 mm", uncertainty="1 %")
 
@@ -87,6 +91,26 @@ def test_a_guide_is_what_the_atlas_expects_half_of_it_near_the_answer() -> None:
     assert 0.4 < near.mean() < 0.9
 
 
+#: Without rolling friction there is no heap.
+WIDE = [gf.Parameter(SLIDING, 0.02, 0.8, "log"), gf.Parameter(ROLLING, 0.01, 0.6, "log")]
+
+
+def test_where_a_run_is_expected_to_fail_so_does_the_guide() -> None:
+    problem = gf.Problem(WIDE, [ANGLE, RADIUS])
+
+    found = _guide(problem).evaluations
+
+    values = {
+        name: np.array([one.proposal.parameters[name] for one in found])
+        for name in (SLIDING, ROLLING)
+    }
+    chances = Expectation(_heap(), problem.middle).chance(values, [ANGLE.name, RADIUS.name])
+    fails = [one.failed_in(" (relative)") for one in found]
+    assert fails == (chances < 0.5).tolist()
+    assert 5 < sum(fails) < 50
+    assert [not one.responses for one in found] == fails
+
+
 @pytest.mark.parametrize(
     ("problem", "without"),
     [
@@ -102,8 +126,13 @@ def test_nothing_guides_where_the_atlas_tells_nothing_or_something_else_does(
     assert _guide(problem, without=without) == Guide()
 
 
+def test_nothing_stands_for_a_law_that_the_atlas_does_not_have() -> None:
+    damped = _heap(**{"particle_particle.rolling_damping": 0.25})
+    assert guide(gf.Problem(FREE, [ANGLE]), {"heap": damped}, 1) == Guide()
+
+
 def test_a_guide_is_the_same_after_it_was_stored() -> None:
-    found = _guide(gf.Problem(FREE, [ANGLE]))
+    found = _guide(gf.Problem(WIDE, [ANGLE]))
 
     again = Guide.from_json(json.loads(json.dumps(found.to_json())))
     assert again == found

@@ -1,10 +1,12 @@
 """Probability that a run succeeds, near failed and finished runs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from grainfit.evaluation import Evaluation, Proposal, Response
-from grainfit.problem import Parameter, Problem, Target
+from grainfit.problem import Parameter, Problem, Relative, Target
 from grainfit.strategies.feasibility import FeasibilityModel
 
 PROBLEM = Problem(
@@ -61,6 +63,33 @@ def test_failures_by_the_machine_say_nothing() -> None:
     assert probability([run(0.5, 0.5, "machine")] * 5) == [1.0]
     failure = run(0.4, 0.5, "failure")
     assert probability([failure, run(0.5, 0.5, "machine")]) == probability([failure])
+
+
+def test_what_is_known_of_a_relative_is_believed_until_runs_of_the_test_say_otherwise() -> None:
+    problem = replace(PROBLEM, relatives=[Relative("", None)])
+    name = problem.relatives[0].name
+
+    def told(x: float, fails: bool) -> Evaluation:
+        proposal = Proposal(PROBLEM.from_unit([x, 0.5]), 1, "design", (name,))
+        return Evaluation(proposal, {}, {name: "it fails"} if fails else {})
+
+    known = [told(x, fails=x < 0.5) for x in np.linspace(0.0, 1.0, 21)]
+    points = np.array([[0.1, 0.5], [0.9, 0.5]])
+
+    def probabilities(*own: Evaluation) -> np.ndarray:
+        return FeasibilityModel(problem, [*known, *own]).success_probability(points)
+
+    fails, succeeds = probabilities()
+    # It may be wrong, so that a run there is not impossible.
+    assert 0.2 < fails < 0.4
+    assert succeeds > 0.95
+    found = FeasibilityModel(problem, known)
+    assert found.is_likely(points).tolist() == [False, True]
+    assert probabilities(run(0.1, 0.5))[0] > 0.6
+    assert probabilities(run(0.9, 0.5, "failure"))[1] == pytest.approx(0.5, abs=0.03)
+    # Once it is dropped, the runs of the test count alone.
+    alone = FeasibilityModel(PROBLEM, known).success_probability(points)
+    assert alone.tolist() == [1.0, 1.0]
 
 
 def test_a_success_that_is_nearer_than_any_failure_makes_an_answer_likely() -> None:

@@ -43,9 +43,7 @@ class ExpectedResponse:
 
 
 class Expectation:
-    """What the atlas expects of a test, in the apparatus that is nearest.
-
-    Dry spheres stand for particles of which it has no rows.
+    """What the atlas expects of a test.
 
     Parameters
     ----------
@@ -55,17 +53,24 @@ class Expectation:
         Free parameters somewhere in their intervals.
     atlas : Atlas, optional
         By default the one that ships with the package.
+    is_nearest : bool
+        Whether the nearest rows stand for what the atlas does not have, see `Reading`.
 
     Raises
     ------
     NotInAtlasError
-        The atlas has no rows of the test.
+        The atlas has no such test, particles, contact law or apparatus.
     """
 
     def __init__(
-        self, solver: Solver, parameters: Mapping[str, float], atlas: Atlas | None = None
+        self,
+        solver: Solver,
+        parameters: Mapping[str, float],
+        atlas: Atlas | None = None,
+        *,
+        is_nearest: bool = True,
     ) -> None:
-        self._reading = Reading(solver, parameters, is_nearest=True)
+        self._reading = Reading(solver, parameters, is_nearest=is_nearest)
         self._models = (atlas or shipped_atlas()).require(self._reading.stratum.name).models
 
     def tells_of(self, parameter: str) -> bool:
@@ -87,11 +92,29 @@ class Expectation:
         names : collection of str
             Of the responses that are wanted.
         """
+        points = self._points(values)
+        return {name: self._expected(name, points, values) for name in self._told(names)}
+
+    def chance(self, values: Mapping[str, Array], names: Collection[str]) -> Array:
+        """Return the chance that runs have all of some responses, shape (m,): the least of them.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray
+            Free parameters, SI, each of shape (m,).
+        names : collection of str
+            Of the responses; the atlas has one of them at least.
+        """
+        points = self._points(values)
+        models = {id(self._models[name].chance): self._models[name] for name in self._told(names)}
+        return np.asarray(np.min([one.chance_at(points) for one in models.values()], axis=0))
+
+    def _told(self, names: Collection[str]) -> list[str]:
+        return [name for name in self._models if name in names]
+
+    def _points(self, values: Mapping[str, Array]) -> Array:
         limits = [span.limit for span in self._reading.ranges.values()]
-        points = np.clip(self._reading.shares(values), -_BEYOND, limits)
-        return {
-            name: self._expected(name, points, values) for name in self._models if name in names
-        }
+        return np.clip(self._reading.shares(values), -_BEYOND, limits)
 
     def _expected(self, name: str, points: Array, values: Mapping[str, Array]) -> ExpectedResponse:
         model = self._models[name]

@@ -6,11 +6,13 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grainfit.arrays import Array
+from grainfit.atlas import messages
 from grainfit.atlas.expectation import Expectation
 from grainfit.atlas.forecast import values_at
-from grainfit.atlas.reading import DamagedAtlasError, NotInAtlasError
+from grainfit.atlas.reading import DamagedAtlasError, NotInAtlasError, Reading
 from grainfit.atlas.shelf import Atlas
 from grainfit.evaluation import Evaluation, Proposal, Response, scalars
 from grainfit.metamodels.known_runs import nearest_and_spread
@@ -22,6 +24,31 @@ from grainfit.solvers.base import Solver
 _ASKED, _KEPT = 512, 60
 #: Most free parameters that so few points tell about in the time of a run.
 _MOST_PARAMETERS = 5
+#: Chance of all responses below which a run is expected to fail.
+_FAILS = 0.5
+
+
+class Told(NamedTuple):
+    """What the atlas expects at a point: responses of relatives, and the relatives that fail."""
+
+    parameters: Mapping[str, float]
+    responses: Mapping[str, Response]
+    failing: Sequence[str] = ()
+
+    def evaluation(self, number: int, asked: tuple[str, ...]) -> Evaluation:
+        """Return it as the outcome of runs of relatives."""
+        failures = {name: messages.EXPECTED_TO_FAIL() for name in self.failing}
+        proposal = Proposal(self.parameters, number, "design", asked)
+        return Evaluation(proposal, self.responses, failures)
+
+    @classmethod
+    def of(cls, evaluation: Evaluation) -> Told:
+        """Return what became that outcome."""
+        return cls(
+            dict(evaluation.proposal.parameters),
+            scalars(evaluation.responses),
+            tuple(evaluation.failures),
+        )
 
 
 class Guide(NamedTuple):
@@ -42,18 +69,10 @@ class Guide(NamedTuple):
     fault: str = ""
 
     @classmethod
-    def of_points(
-        cls,
-        points: Iterable[tuple[Mapping[str, float], Mapping[str, Response]]],
-        tests: Sequence[str],
-        fault: str = "",
-    ) -> Guide:
-        """Return the guide of the responses of relatives at parameters."""
+    def of_points(cls, points: Iterable[Told], tests: Sequence[str], fault: str = "") -> Guide:
+        """Return the guide of what is expected at points."""
         asked = tuple(Relative(test, None).name for test in tests)
-        evaluations = [
-            Evaluation(Proposal(parameters, number, "design", asked), responses)
-            for number, (parameters, responses) in enumerate(points)
-        ]
+        evaluations = [one.evaluation(number, asked) for number, one in enumerate(points)]
         return cls(tuple(evaluations), tuple(tests), fault)
 
     def to_json(self) -> dict[str, Any]:
@@ -62,13 +81,14 @@ class Guide(NamedTuple):
             "tests": list(self.tests),
             "points": [
                 {
-                    "parameters": dict(one.proposal.parameters),
+                    "parameters": told.parameters,
                     "responses": {
                         name: [found.value, found.standard_error]
-                        for name, found in scalars(one.responses).items()
+                        for name, found in told.responses.items()
                     },
+                    "failing": list(told.failing),
                 }
-                for one in self.evaluations
+                for told in map(Told.of, self.evaluations)
             ],
         }
 
@@ -76,10 +96,42 @@ class Guide(NamedTuple):
     def from_json(cls, plain: Mapping[str, Any]) -> Guide:
         """Return the guide of `to_json`; an empty one of an empty mapping."""
         points = [
-            (one["parameters"], {name: Response(*r) for name, r in one["responses"].items()})
+            Told(
+                one["parameters"],
+                {name: Response(*r) for name, r in one["responses"].items()},
+                one.get("failing", ()),
+            )
             for one in plain.get("points", ())
         ]
         return cls.of_points(points, tuple(plain.get("tests", ())))
+
+
+def guided(problem: Problem, solvers: Mapping[str, Solver]) -> list[TestScope]:
+    """Return the tests of which the atlas may guide the search, without a look at its rows.
+
+    Nothing stands for what it does not have: a search that is led past the answer takes longer.
+
+    Parameters
+    ----------
+    problem, solvers
+        As of `guide`.
+    """
+    if problem.dimension > _MOST_PARAMETERS:
+        return []
+    return [scope for scope in problem.scopes if _is_told(problem, scope, solvers)]
+
+
+def _is_told(problem: Problem, scope: TestScope, solvers: Mapping[str, Solver]) -> bool:
+    try:
+        reading = Reading(solvers[_test_of(scope, solvers)], problem.middle)
+    except NotInAtlasError:
+        return False
+    return any(map(reading.tells_of, scope.parameters))
+
+
+def _test_of(scope: TestScope, solvers: Mapping[str, Solver]) -> str:
+    # The scope of the only test has no name.
+    return scope.name or next(iter(solvers))
 
 
 def guide(
@@ -90,9 +142,6 @@ def guide(
     atlas: Atlas | None = None,
 ) -> Guide:
     """Return what the atlas expects, at half of the points where it agrees with the targets.
-
-    The nearest apparatus and dry spheres stand for what it does not have: the runs of the search
-    tell the difference.
 
     Parameters
     ----------
@@ -107,35 +156,38 @@ def guide(
     atlas : Atlas, optional
         By default the one that ships with the package.
     """
-    if problem.dimension > _MOST_PARAMETERS:
+    scopes = [one for one in guided(problem, solvers) if one.name not in without]
+    if not scopes:
         return Guide()
     points = spread_points(_ASKED, problem.dimension, np.random.default_rng(seed))
     found: dict[str, list[Response]] = {}
+    fails: dict[str, NDArray[np.bool_]] = {}
     fault = ""
-    for scope in problem.scopes:
+    for scope in scopes:
         try:
-            if scope.name not in without:
-                found |= _expected(problem, scope, solvers, points, atlas)
+            told = _expected(problem, scope, solvers, points, atlas)
         except DamagedAtlasError as error:
-            fault = str(error)
+            fault, told = str(error), None
         except NotInAtlasError:
-            continue
+            told = None
+        if told is not None:
+            found |= told.responses
+            fails[scope.name] = told.chances < _FAILS
     targets = [target for target in problem.targets if target.name in found]
     if not targets:
         return Guide(fault=fault)
     relatives = {t.name: Relative(problem.scope_of(t.name).name, None) for t in targets}
-    tests = tuple(dict.fromkeys(one.of for one in relatives.values()))
-    return Guide.of_points(
-        [
-            (
-                problem.from_unit(points[place]),
-                {relatives[n].response_name(n): every[place] for n, every in found.items()},
-            )
-            for place in _chosen(targets, found)
-        ],
-        tests,
-        fault,
-    )
+
+    def told_at(place: int) -> Told:
+        responses = {
+            relatives[name].response_name(name): every[place]
+            for name, every in found.items()
+            if not fails[relatives[name].of][place]
+        }
+        failing = tuple(Relative(test, None).name for test, one in fails.items() if one[place])
+        return Told(problem.from_unit(points[place]), responses, failing)
+
+    return Guide.of_points(map(told_at, _chosen(targets, found)), tuple(fails), fault)
 
 
 def _chosen(targets: Sequence[Target], found: Mapping[str, Sequence[Response]]) -> list[int]:
@@ -147,31 +199,38 @@ def _chosen(targets: Sequence[Target], found: Mapping[str, Sequence[Response]]) 
     return sorted(nearest_and_spread((np.array(off) ** 2).sum(axis=0), _KEPT))
 
 
+class _Expected(NamedTuple):
+    """Responses by target, and the chance of all of them, at the points."""
+
+    responses: dict[str, list[Response]]
+    chances: Array
+
+
 def _expected(
     problem: Problem,
     scope: TestScope,
     solvers: Mapping[str, Solver],
     points: Array,
     atlas: Atlas | None,
-) -> dict[str, list[Response]]:
-    """Return what the atlas expects of a test at points of the unit cube, by target.
+) -> _Expected | None:
+    """Return what the atlas expects of a test at points of the unit cube.
 
     Raises
     ------
     NotInAtlasError
         It tells nothing about the test.
     """
-    # The scope of the only test has no name.
-    test = scope.name or next(iter(solvers))
+    test = _test_of(scope, solvers)
     targets = problem.targets_of(test)
-    expectation = Expectation(solvers[test], problem.middle, atlas)
-    if not any(map(expectation.tells_of, scope.parameters)):
-        return {}
-    expected = expectation.responses(values_at(problem.parameters, points), targets)
+    expectation = Expectation(solvers[test], problem.middle, atlas, is_nearest=False)
+    values = values_at(problem.parameters, points)
+    expected = expectation.responses(values, targets)
+    if not expected:
+        return None
     found = {}
     for name, one in expected.items():
         target = targets[name]
         means = problem.ratios.get(target.name, 1.0) * one.means
         pairs = zip(means.tolist(), (np.abs(means) * one.errors).tolist(), strict=True)
         found[target.name] = [Response(*pair) for pair in pairs]
-    return found
+    return _Expected(found, expectation.chance(values, targets))

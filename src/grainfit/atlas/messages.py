@@ -47,6 +47,7 @@ WOULD_NARROW = Message(
     "{response} of a {test} test, measured to {accuracy}, would narrow {name} to about {left:.0f} "
     "% of its present interval."
 )
+EXPECTED_TO_FAIL = Message("the atlas expects that a run there lacks a response")
 MAY_FAIL = Message(
     "A run there has all responses with a chance of {chance:.0f} % only: the others cannot be "
     "measured."

@@ -107,7 +107,7 @@ def calibrate(
     store: str | None = None,
     keep: Keep = "all",
     near_runs: bool = True,
-    atlas: bool = False,
+    atlas: bool = True,
     retry_failed: bool = False,
     provenance: Provenance | None = None,
     on_progress: Callable[[Progress], None] | None = None,

@@ -76,7 +76,7 @@ class LoopOptions:
     live_file: LiveFile | None = None
     twins: Twins | None = None
     near_runs: bool = True
-    atlas: bool = False
+    atlas: bool = True
     result_file: Path | None = None
 
 
@@ -192,7 +192,7 @@ class CalibrationLoop:
             **self._rayleigh(),
             **self._relatives(),
             **({} if self._options.near_runs else {"near_runs": False}),
-            **({"atlas": True} if self._options.atlas else {}),
+            **({} if self._options.atlas else {"atlas": False}),
             **({"ratios": dict(problem.ratios)} if problem.ratios else {}),
             **({"correlations": list(problem.correlations)} if problem.correlations else {}),
             **({"curves": [one.to_json() for one in problem.curves]} if problem.curves else {}),

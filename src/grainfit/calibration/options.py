@@ -68,8 +68,8 @@ class CalibrationOptions:
         Flag(),
         "Whether what the atlas expects guides the search. No verdict rests on it. "
         "Strategy: sequential.",
-        default_text="false",
-        example="true",
+        default_text="true",
+        example="false",
     )
 
     def __post_init__(self) -> None:

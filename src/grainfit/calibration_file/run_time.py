@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 
+from grainfit.atlas.guide import guided
 from grainfit.calibration.runs_to_come import (
     RunsToCome,
     largest_scatter,
@@ -116,6 +117,10 @@ def expected_runs(
     budget, runs_of_a_set = file.strategy.max_runs, sum(file.repeats.values())
     problem = with_scopes(problem, solvers, file.repeats)
     search = _search(file, problem, budget, largest_scatter(problem, solvers, file.repeats))
+    if file.strategy.atlas is not False and file.strategy.strategy.uses_relatives:
+        related = {one.of for one in problem.relatives}
+        tests = [one.name for one in guided(problem, solvers) if one.name not in related]
+        search.learn_from_near((), tests)
     return ExpectedRuns(
         runs_to_come(search, runs_of_a_set, budget, _verification(file)),
         math.ceil(search.runs_of_design * runs_of_a_set / len(file.repeats)),

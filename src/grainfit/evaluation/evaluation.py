@@ -13,6 +13,7 @@ from grainfit.evaluation import messages
 from grainfit.evaluation.names import ALL_RUNS, name_of_test, names_of_tests, response_name
 from grainfit.evaluation.response import Curve, Response
 from grainfit.one_line import OneLine
+from grainfit.relative_names import is_relative
 
 Stage = Literal["design", "optimisation", "verification"]
 
@@ -30,7 +31,7 @@ class Proposal(OneLine):
     stage : {"design", "optimisation", "verification"}
         Stage of the calibration.
     tests : tuple of str, optional
-        Names of the tests; None for every test.
+        Names of the tests; None for every test, without relatives.
     """
 
     parameters: Mapping[str, float]
@@ -39,8 +40,8 @@ class Proposal(OneLine):
     tests: tuple[str, ...] | None = None
 
     def asks_for(self, test: str) -> bool:
-        """Return True if the parameter set is to be simulated in a test."""
-        return self.tests is None or test in self.tests
+        """Return True if the parameter set is to be simulated in a test, or in a relative."""
+        return not is_relative(test) if self.tests is None else test in self.tests
 
 
 @dataclass(frozen=True)

@@ -20,15 +20,18 @@ _REACH = 0.15
 _PROVEN = 0.25
 #: Prior: every point counts as if one run had succeeded there.
 _PRIOR = 1.0
+#: What a run of the test is expected to do as its relative does: a part, so that it is tried.
+_TRUST = 0.8
 
 
 class FeasibilityModel:
     """Probability that a run at a point succeeds: the share of successes among its neighbours.
 
     A kernel estimate with an optimistic prior: one failure halves the probability at its point,
-    each further one lowers it more. Runs that failed by a fault of the machine do not count. With
-    several tests, all have to succeed, each judged by its own runs and parameters. Relatives of
-    tests are judged apart.
+    each further one lowers it more. What is known beforehand of a relative of a test makes its
+    prior less optimistic where that fails. Runs that failed by a fault of the machine do not
+    count. With several tests, all have to succeed, each judged by its own runs and parameters.
+    Relatives of tests are judged apart.
 
     Parameters
     ----------
@@ -40,7 +43,15 @@ class FeasibilityModel:
 
     def __init__(self, problem: Problem, evaluations: Sequence[Evaluation]) -> None:
         telling = [e for e in evaluations if not e.failed_by_machine]
-        self._tests = [_TestFeasibility(problem, scope, telling) for scope in problem.scopes]
+        known = {
+            one.of: _TestFeasibility(problem, one.scope(problem.scope_of_test(one.of)), telling)
+            for one in problem.relatives
+            if one.cost is None
+        }
+        self._tests = [
+            _TestFeasibility(problem, scope, telling, known.get(scope.name))
+            for scope in problem.scopes
+        ]
         self._relatives = {
             scope.name: _TestFeasibility(problem, scope, telling)
             for scope in problem.relative_scopes
@@ -82,7 +93,11 @@ class _TestFeasibility:
     """The same of one test."""
 
     def __init__(
-        self, problem: Problem, scope: TestScope, evaluations: Sequence[Evaluation]
+        self,
+        problem: Problem,
+        scope: TestScope,
+        evaluations: Sequence[Evaluation],
+        known: _TestFeasibility | None = None,
     ) -> None:
         self.name = scope.name
         self._axes = problem.axes_of(scope)
@@ -91,17 +106,22 @@ class _TestFeasibility:
         self._failed = np.array(failed, dtype=float)
         points = [problem.to_unit(e.proposal.parameters)[self._axes] for e in own]
         self._points = np.array(points)
+        self._known = known
 
     def success_probability(self, points: Array) -> Array:
-        if not self._failed.any():
-            return np.ones(len(points))
-        reach = self._reach
-        nearness = np.exp(-0.5 * (cdist(points[:, self._axes], self._points) / reach) ** 2)
-        return np.asarray(1.0 - nearness @ self._failed / (_PRIOR + nearness.sum(axis=1)))
+        doubt = np.zeros(len(points))
+        if self._known is not None:
+            doubt = _TRUST * (1.0 - self._known.success_probability(points))
+        if not len(self._points) or not (self._failed.any() or doubt.any()):
+            return np.asarray(1.0 - doubt)
+        distances = cdist(points[:, self._axes], self._points)
+        nearness = np.exp(-0.5 * (distances / self._reach) ** 2)
+        failures = _PRIOR * doubt + nearness @ self._failed
+        return np.asarray(1.0 - failures / (_PRIOR + nearness.sum(axis=1)))
 
     def is_nearer_success(self, points: Array) -> NDArray[np.bool_]:
-        if not self._failed.any():
-            return np.ones(len(points), dtype=bool)
+        if not len(self._points) or (self._known is None and not self._failed.any()):
+            return np.full(len(points), self._known is None)
         success, failure = self._distances(points)
         return np.asarray((success <= _PROVEN * self._reach) & (success < failure))
 
