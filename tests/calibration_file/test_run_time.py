@@ -13,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import grainfit as gf
+from grainfit.calibration.messages import GUIDED_BY_ATLAS
 from grainfit.calibration_file.build import CalibrationSetup, load_calibration
 from grainfit.calibration_file.checks import messages
 from grainfit.calibration_file.plan import describe_plan
@@ -20,6 +21,7 @@ from grainfit.calibration_file.run_time import RunTime, costs_of_runs, expected_
 from grainfit.cli.app import app
 from grainfit.formatting import duration
 
+NO_ATLAS = "[strategy]\natlas = false\n\n"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "glass_beads" / "calibration.toml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
 WIDE = (
@@ -282,3 +284,29 @@ def test_a_long_run_offers_larger_particles_and_a_smaller_apparatus(tmp_path: Pa
     assert twin is not None
     assert twin.number_of_particles == pytest.approx(3000, rel=0.2)
     assert not [n for n in describe_plan(offered).notes if n.startswith("Test heap: a run takes")]
+
+
+@pytest.mark.parametrize(
+    ("changes", "design"),
+    [
+        ({"rolling_damping = 0.25": "rolling_damping = 0.0"}, 3),
+        # The atlas does not have that law.
+        ({}, 5),
+        ({"rolling_damping = 0.25": "rolling_damping = 0.0", "[[test]]": f"{NO_ATLAS}[[test]]"}, 5),
+    ],
+)
+def test_the_plan_says_that_the_atlas_guides_the_search(
+    tmp_path: Path, changes: dict[str, str], design: int
+) -> None:
+    text = EXAMPLE.read_text()
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    (tmp_path / "beads.toml").write_text(text)
+    setup = load_calibration(tmp_path / "beads.toml")
+
+    runs = expected_runs(setup.file, setup.problem, setup.solvers)
+
+    assert runs.design == design
+    assert list(runs.guided) == (["heap"] if design == 3 else [])
+    said = " ".join(describe_plan(setup).lines)
+    assert GUIDED_BY_ATLAS.is_in(said, tests="heap") == (design == 3)

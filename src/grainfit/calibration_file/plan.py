@@ -11,6 +11,7 @@ from grainfit.bulk_tests.apparatus import ApparatusValue, apparatus_lines
 from grainfit.bulk_tests.base import BulkTest
 from grainfit.bulk_tests.workload import workload
 from grainfit.calibration.holdout import Holdout, require_holdouts
+from grainfit.calibration.messages import GUIDED_BY_ATLAS
 from grainfit.calibration.readiness import Obstacle, obstacles
 from grainfit.calibration_file import messages
 from grainfit.calibration_file.apparatus import simulated_apparatus
@@ -270,6 +271,8 @@ def _expected_runs(setup: CalibrationSetup) -> ExpectedRuns:
 
 def _run_lines(setup: CalibrationSetup, runs: ExpectedRuns, time: RunTime | None) -> Iterator[str]:
     yield messages.DEM_RUNS(runs=runs, workers=setup.workers)
+    if runs.guided:
+        yield GUIDED_BY_ATLAS(tests=in_a_row(runs.guided))
     if runs.series is not None:
         yield messages.RUNS_WITH_SIZES(
             series=runs.series,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -68,6 +68,8 @@ class ExpectedRuns:
         Sizes at an answer; None without smaller apparatus.
     spared : float
         Runs whose time is spared, as those of cheaper relatives take a part of it.
+    guided : sequence of str
+        Tests whose search the atlas guides; their design is smaller.
     """
 
     to_come: RunsToCome
@@ -76,6 +78,7 @@ class ExpectedRuns:
     strategy: str
     series: SizeSeries | None = None
     spared: float = 0.0
+    guided: Sequence[str] = ()
 
     @property
     def of_searches(self) -> tuple[int, int]:
@@ -117,6 +120,7 @@ def expected_runs(
     budget, runs_of_a_set = file.strategy.max_runs, sum(file.repeats.values())
     problem = with_scopes(problem, solvers, file.repeats)
     search = _search(file, problem, budget, largest_scatter(problem, solvers, file.repeats))
+    tests: list[str] = []
     if file.strategy.atlas is not False and file.strategy.strategy.uses_relatives:
         related = {one.of for one in problem.relatives}
         tests = [one.name for one in guided(problem, solvers) if one.name not in related]
@@ -127,6 +131,8 @@ def expected_runs(
         _verification(file) * runs_of_a_set,
         search.name,
         spared=search.spared_by_design,
+        # The scope of the only test has no name.
+        guided=[name or next(iter(solvers)) for name in tests],
     )
 
 
