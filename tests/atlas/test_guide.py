@@ -202,6 +202,28 @@ def test_a_guided_search_finds_its_way_out_of_failing_runs() -> None:
     assert result.status == "calibrated"
 
 
+def test_a_guide_is_none_of_the_runs_that_failed() -> None:
+    class Choked(ExpectedHeap):
+        made = 0
+
+        def run(
+            self, parameters: Mapping[str, float], seed: int, workspace: gf.Workspace
+        ) -> dict[str, gf.Response]:
+            self.made += 1
+            if self.made > 2:
+                raise gf.RunFailedError(f"the slot is choked by particle {self.made}")
+            return super().run(parameters, seed, workspace)
+
+    heap = Choked(gf.tests.Heap(diameter="10 mm", **ROUGH_PLATE), FIXED)
+
+    with pytest.raises(gf.RunFailedError) as caught:
+        gf.calibrate(gf.Problem(WIDE, [ANGLE, RADIUS]), heap)
+
+    assert f"2 of {heap.made} runs" in str(caught.value)
+    assert "the slot is choked" in str(caught.value)
+    assert not atlas_messages.EXPECTED_TO_FAIL.is_in(str(caught.value))
+
+
 def test_a_given_size_of_the_design_stays() -> None:
     problem = gf.Problem(FREE, [ANGLE, RADIUS])
     strategy = gf.Sequential(design_runs=6)

@@ -535,14 +535,14 @@ def _require_runs(problem: Problem, evaluations: Sequence[Evaluation], name: str
     needed, places = _fewest_places(problem, scope, evaluations, name), _places(scope, known)
     if places >= needed:
         return
-    asked = [e for e in evaluations if not problem.tests or e.proposal.asks_for(scope.name)]
+    asked = [e for e in evaluations if e.proposal.asks_for(scope.name)]
     where = counted(places, "different place")
     if len(known) < len(asked) or not known:
         runs = counted(len(asked), "run")
         few = messages.FEW_RESPONSES(known=len(known), runs=runs, name=name, places=where)
     else:
         few = messages.FEW_PLACES(runs=counted(len(known), "run"), name=name, places=where)
-    failures = causes(reason for e in evaluations for reason in e.failures.values())
+    failures = causes(reason for e in asked for reason in e.failures.values())
     reasons = "; ".join(reason.removesuffix(".") for reason in failures[:3])
     because = f" {messages.FAILURES(reasons=reasons)}" if failures else ""
     short = [about_short_curves(c, evaluations) for c in problem.curves if c.name == name]
