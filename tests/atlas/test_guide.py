@@ -14,7 +14,7 @@ import grainfit as gf
 from grainfit.atlas import expectation
 from grainfit.atlas import messages as atlas_messages
 from grainfit.atlas.expectation import Expectation
-from grainfit.atlas.guide import Guide, guide
+from grainfit.atlas.guide import Guide, guide, guided
 from grainfit.atlas.shelf import SHIPPED, Atlas
 from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.calibration import messages
@@ -124,6 +124,7 @@ def test_nothing_guides_where_the_atlas_tells_nothing_or_something_else_does(
     problem: gf.Problem, without: tuple[str, ...]
 ) -> None:
     assert _guide(problem, without=without) == Guide()
+    assert bool(guided(problem, {"heap": _heap()})) == bool(without)
 
 
 def test_nothing_stands_for_a_law_that_the_atlas_does_not_have() -> None:

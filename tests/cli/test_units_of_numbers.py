@@ -122,11 +122,11 @@ def test_columns_of_runs_have_their_units(place: Path) -> None:
     listed = shown(place, "runs", "list", "sand.grainfit")
     assert listed.count("in kg/m³") == 2
     shown(place, "runs", "export", "sand.grainfit", "runs.csv", "--force")
-    head = (place / "runs.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    head, *runs = (place / "runs.csv").read_text(encoding="utf-8").splitlines()
     for name, (*_, unit) in UNITS.items():
-        assert f"{name} [{unit}]" in head
+        assert f"{name} [{unit}]" in head.split(",")
     # What was exported is read again.
-    assert "8 runs" in shown(place, "analyse", "sand.toml", "--runs", "runs.csv")
+    assert f"{len(runs)} runs" in shown(place, "analyse", "sand.toml", "--runs", "runs.csv")
 
 
 def test_pages_have_units(place: Path) -> None:

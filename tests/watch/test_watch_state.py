@@ -120,6 +120,7 @@ def test_a_finished_calibration_shows_its_verdict_and_intervals(tmp_path: Path) 
     assert not (tmp_path / LIVE_NAME).exists()
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_hold_outs_are_simulated_before_the_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

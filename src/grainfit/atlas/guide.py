@@ -122,11 +122,13 @@ def guided(problem: Problem, solvers: Mapping[str, Solver]) -> list[TestScope]:
 
 
 def _is_told(problem: Problem, scope: TestScope, solvers: Mapping[str, Solver]) -> bool:
+    test = _test_of(scope, solvers)
     try:
-        reading = Reading(solvers[_test_of(scope, solvers)], problem.middle)
+        reading = Reading(solvers[test], problem.middle)
     except NotInAtlasError:
         return False
-    return any(map(reading.tells_of, scope.parameters))
+    responses = reading.kind.responses.keys() & problem.targets_of(test).keys()
+    return bool(responses) and any(map(reading.tells_of, scope.parameters))
 
 
 def _test_of(scope: TestScope, solvers: Mapping[str, Solver]) -> str:
