@@ -47,7 +47,8 @@ _FREE = (
     "particle_particle.rolling_friction",
     "particle_wall.sliding_friction",
 )
-_RESPONSES = ("bulk_density", "angle_of_repose")
+#: Of the known problems, whose responses are any numbers above zero.
+_RESPONSES = ("bulk_density", "base_radius")
 _LOWEST, _WIDTH = 0.1, 0.9
 #: Runs of each of the two earlier problems.
 _EARLIER = 27
@@ -150,6 +151,7 @@ def calibrate(one: Calibration) -> dict[str, Any]:
                 {"heap": heap},
                 seed=one.seed,
                 runs_from=folder if make is not None else (),
+                atlas=False,
             )
         except GrainfitError as error:
             return {"status": "failed", "why": str(error)}

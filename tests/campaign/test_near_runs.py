@@ -162,7 +162,7 @@ def calibrated(emulated: Any, kind: str, folder: Path, **given: Any) -> gf.Resul
     if emulated.RELATIVES[kind] is not None and not folder.exists():
         folder.mkdir()
         emulated.left_behind(known, emulated.RELATIVES[kind], folder, 2, count=6)
-    result = gf.calibrate(own.problem, {"heap": own}, seed=2, workdir=folder, **given)
+    result = gf.calibrate(own.problem, {"heap": own}, seed=2, workdir=folder, atlas=False, **given)
     assert result.status == "calibrated"
     assert own.off(result.parameters) <= 1.0
     return result
