@@ -29,10 +29,10 @@ from atlas_estimates import atlas_of
 from grainfit.arrays import Array
 from grainfit.atlas.expectation import relative_scatter
 from grainfit.atlas.reading import Reading
-from grainfit.atlas.row import Row, rows_in
+from grainfit.atlas.row import rows_in
 from grainfit.atlas.shelf import SHIPPED, Atlas
 from grainfit.atlas.strata import Stratum, strata
-from grainfit.atlas.surrogate import ResponseModel, Surrogate, points_of
+from grainfit.atlas.surrogate import ResponseModel, Surrogate, least_chance, points_of
 from grainfit.bulk_tests.parameter_names import DENSITY, ROLLING, SLIDING
 from grainfit.calibration.calibrate import calibrate
 from grainfit.errors import RunFailedError
@@ -85,6 +85,11 @@ def problem_of(
     )
 
 
+def chance_of(truth: Surrogate, point: Array) -> float:
+    """Return the chance that a run at a point of the atlas, shape (1, inputs), has a heap."""
+    return float(least_chance([truth.models[name] for name in RESPONSES], point).item())
+
+
 class EmulatedHeap(Lammps):
     """A heap as LAMMPS would run it, with the responses of a metamodel instead."""
 
@@ -105,7 +110,7 @@ class EmulatedHeap(Lammps):
     def chance(self, parameters: Mapping[str, float]) -> float:
         """Return the chance that a run has all responses."""
         shares = self.reading.shares({name: np.array([one]) for name, one in parameters.items()})
-        return min(float(self.truth.models[name].chance_at(shares).item()) for name in RESPONSES)
+        return chance_of(self.truth, shares)
 
     def run(
         self,
@@ -167,12 +172,8 @@ class Trial:
             if not row.is_repeat
             and row.point not in known
             and set(RESPONSES) <= row.responses.keys()
-            and self._chance(row) > _RARELY_FAILS
+            and chance_of(self.truth, points_of([row], self.stratum.ranges)) > _RARELY_FAILS
         ]
-
-    def _chance(self, row: Row) -> float:
-        at = points_of([row], self.stratum.ranges)
-        return min(float(self.truth.models[name].chance_at(at).item()) for name in RESPONSES)
 
     def record_of(self, run: Run) -> dict[str, Any]:
         """Calibrate once."""

@@ -10,7 +10,7 @@ import numpy as np
 from grainfit.arrays import Array
 from grainfit.atlas.reading import Reading
 from grainfit.atlas.shelf import Atlas, shipped_atlas
-from grainfit.atlas.surrogate import ResponseModel
+from grainfit.atlas.surrogate import ResponseModel, least_chance
 from grainfit.bulk_tests.response_info import ResponseInfo
 from grainfit.solvers.base import Solver
 
@@ -26,20 +26,28 @@ class ExpectedResponse:
     ----------
     means : ndarray, shape (m,)
         Expected response, in its unit.
-    covariance : ndarray, shape (m, m)
-        Of the errors of the atlas, over the means.
     scatter : float
         Relative standard deviation of a run.
+    model : ResponseModel
+        Of the response.
+    points : ndarray, shape (m, inputs)
+        The parameter sets in the atlas.
     """
 
     means: Array
-    covariance: Array
     scatter: float
+    model: ResponseModel
+    points: Array
 
     @property
     def errors(self) -> Array:
         """Standard errors of the atlas over the means, shape (m,)."""
-        return np.asarray(np.sqrt(np.diagonal(self.covariance).clip(0.0)))
+        return self.model.relative_error(self.points)
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the errors of the atlas, over the means, shape (m, m)."""
+        return self.model.relative_covariance(self.points)
 
 
 class Expectation:
@@ -105,9 +113,8 @@ class Expectation:
         names : collection of str
             Of the responses; the atlas has one of them at least.
         """
-        points = self._points(values)
-        models = {id(self._models[name].chance): self._models[name] for name in self._told(names)}
-        return np.asarray(np.min([one.chance_at(points) for one in models.values()], axis=0))
+        told = [self._models[name] for name in self._told(names)]
+        return least_chance(told, self._points(values))
 
     def _told(self, names: Collection[str]) -> list[str]:
         return [name for name in self._models if name in names]
@@ -121,8 +128,9 @@ class Expectation:
         shares = relative_scatter(self._reading.kind.responses[name], model, points)
         return ExpectedResponse(
             model.mean(points) * self._reading.unit(name, values),
-            model.relative_covariance(points),
             float(np.median(shares)),
+            model,
+            points,
         )
 
 

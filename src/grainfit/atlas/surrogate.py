@@ -167,6 +167,12 @@ class ResponseModel:
         noise = np.full(len(points), self.kriging.noise_standard_deviation)
         return noise if self.is_logarithm else noise / np.abs(self.kriging.mean(points))
 
+    def relative_error(self, points: Array) -> Array:
+        """Return the standard error of the expected response over its mean, shape (m,)."""
+        found = self.kriging.predict(points)
+        errors = np.sqrt(self.inflation * found.variance_of_mean)
+        return np.asarray(errors if self.is_logarithm else errors / np.abs(found.mean))
+
     def relative_covariance(self, points: Array) -> Array:
         """Return the covariance of the expected response between points over its means, (m, m)."""
         found = self.inflation * self.kriging.covariance_with(points)(points)[0]
@@ -281,6 +287,13 @@ class Surrogate:
             },
             "chances": [_without_runs(chance) for chance in chances],
         }
+
+
+def least_chance(models: Iterable[ResponseModel], points: Array) -> Array:
+    """Return the chance that runs have all responses of some metamodels, shape (m,)."""
+    # Responses that the same rows have share one.
+    different = {id(one.chance): one for one in models}
+    return np.asarray(np.min([one.chance_at(points) for one in different.values()], axis=0))
 
 
 def clipped(points: Array, columns: Sequence[int]) -> Array:
