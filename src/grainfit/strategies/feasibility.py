@@ -43,19 +43,15 @@ class FeasibilityModel:
 
     def __init__(self, problem: Problem, evaluations: Sequence[Evaluation]) -> None:
         telling = [e for e in evaluations if not e.failed_by_machine]
-        known = {
-            one.of: _TestFeasibility(problem, one.scope(problem.scope_of_test(one.of)), telling)
+        self._relatives = {
+            one.name: _TestFeasibility(problem, one.scope(problem.scope_of_test(one.of)), telling)
             for one in problem.relatives
-            if one.cost is None
         }
+        known = {one.of: self._relatives[one.name] for one in problem.relatives if one.cost is None}
         self._tests = [
             _TestFeasibility(problem, scope, telling, known.get(scope.name))
             for scope in problem.scopes
         ]
-        self._relatives = {
-            scope.name: _TestFeasibility(problem, scope, telling)
-            for scope in problem.relative_scopes
-        }
 
     def success_probability(self, points: Array) -> Array:
         """Probability that a run at each of some points succeeds, shape (m,)."""
@@ -105,23 +101,28 @@ class _TestFeasibility:
         failed = [e.failed_in(scope.name) for e in own]
         self._failed = np.array(failed, dtype=float)
         points = [problem.to_unit(e.proposal.parameters)[self._axes] for e in own]
-        self._points = np.array(points)
+        self._points = np.array(points).reshape(-1, len(self._axes))
         self._known = known
 
+    @property
+    def _is_trusted(self) -> bool:
+        """Whether nothing says that a run may fail."""
+        return self._known is None and not self._failed.any()
+
     def success_probability(self, points: Array) -> Array:
+        if self._is_trusted:
+            return np.ones(len(points))
         doubt = np.zeros(len(points))
         if self._known is not None:
             doubt = _TRUST * (1.0 - self._known.success_probability(points))
-        if not len(self._points) or not (self._failed.any() or doubt.any()):
-            return np.asarray(1.0 - doubt)
         distances = cdist(points[:, self._axes], self._points)
         nearness = np.exp(-0.5 * (distances / self._reach) ** 2)
         failures = _PRIOR * doubt + nearness @ self._failed
         return np.asarray(1.0 - failures / (_PRIOR + nearness.sum(axis=1)))
 
     def is_nearer_success(self, points: Array) -> NDArray[np.bool_]:
-        if not len(self._points) or (self._known is None and not self._failed.any()):
-            return np.full(len(points), self._known is None)
+        if self._is_trusted:
+            return np.ones(len(points), dtype=bool)
         success, failure = self._distances(points)
         return np.asarray((success <= _PROVEN * self._reach) & (success < failure))
 
