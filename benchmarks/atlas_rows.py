@@ -117,7 +117,7 @@ def grow(
     count : int
         Rows that the design has then.
     executor : concurrent.futures.Executor
-        Makes the runs, here or in the jobs of a cluster.
+        Makes the runs, here or in the jobs of a cluster. Who opened it ends those that are left.
     solver : str
         That simulates them.
     repeats : int
@@ -153,20 +153,15 @@ def _make(
         # A line that was cut off must not swallow the next one.
         file.write("\n" if file.tell() else "")
         of_rows = [(stratum, number, solver, inputs) for number, inputs in missing.items()]
-        waiting = [executor.submit(made, *of_row) for of_row in of_rows]
-        try:
-            for done in as_completed(waiting):
-                if error := done.exception():
-                    lost.append(error)
-                    continue
-                row = done.result()
-                file.write(row.to_text() + "\n")
-                file.flush()
-                os.fsync(file.fileno())
-                yield row
-        finally:
-            for one in waiting:
-                one.cancel()
+        for done in as_completed([executor.submit(made, *of_row) for of_row in of_rows]):
+            if error := done.exception():
+                lost.append(error)
+                continue
+            row = done.result()
+            file.write(row.to_text() + "\n")
+            file.flush()
+            os.fsync(file.fileno())
+            yield row
     if lost:
         raise lost[0]
 
