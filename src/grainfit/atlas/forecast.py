@@ -19,6 +19,7 @@ from grainfit.atlas.surrogate import ResponseModel, clipped
 from grainfit.problem import Problem
 from grainfit.problem.parameter import Parameter
 from grainfit.problem.target import Target
+from grainfit.problem.test_scope import named_test
 from grainfit.solvers.base import Solver
 
 
@@ -70,7 +71,7 @@ class Forecast:
         self.problem = problem.with_targets(targets) if targets else None
 
     def _told_of(self, problem: Problem, name: str, solvers: Mapping[str, Solver]) -> list[_Told]:
-        test = name or next(iter(solvers))
+        test = named_test(name, solvers)
         targets = problem.targets_of(test)
         try:
             reading = Reading(solvers[test], problem.middle)

@@ -18,6 +18,7 @@ from grainfit.evaluation import Evaluation, Proposal, Response, scalars
 from grainfit.metamodels.known_runs import nearest_and_spread
 from grainfit.metamodels.unit_cube import spread_points
 from grainfit.problem import Problem, Relative, Target, TestScope
+from grainfit.problem.test_scope import named_test
 from grainfit.solvers.base import Solver
 
 #: Points at which the atlas is asked, and how many of them guide.
@@ -34,21 +35,6 @@ class Told(NamedTuple):
     parameters: Mapping[str, float]
     responses: Mapping[str, Response]
     failing: Sequence[str] = ()
-
-    def evaluation(self, number: int, asked: tuple[str, ...]) -> Evaluation:
-        """Return it as the outcome of runs of relatives."""
-        failures = {name: messages.EXPECTED_TO_FAIL() for name in self.failing}
-        proposal = Proposal(self.parameters, number, "design", asked)
-        return Evaluation(proposal, self.responses, failures)
-
-    @classmethod
-    def of(cls, evaluation: Evaluation) -> Told:
-        """Return what became that outcome."""
-        return cls(
-            dict(evaluation.proposal.parameters),
-            scalars(evaluation.responses),
-            tuple(evaluation.failures),
-        )
 
 
 class Guide(NamedTuple):
@@ -72,7 +58,15 @@ class Guide(NamedTuple):
     def of_points(cls, points: Iterable[Told], tests: Sequence[str], fault: str = "") -> Guide:
         """Return the guide of what is expected at points."""
         asked = tuple(Relative(test, None).name for test in tests)
-        evaluations = [one.evaluation(number, asked) for number, one in enumerate(points)]
+        why = messages.EXPECTED_TO_FAIL()
+        evaluations = [
+            Evaluation(
+                Proposal(told.parameters, number, "design", asked),
+                told.responses,
+                dict.fromkeys(told.failing, why),
+            )
+            for number, told in enumerate(points)
+        ]
         return cls(tuple(evaluations), tuple(tests), fault)
 
     def to_json(self) -> dict[str, Any]:
@@ -81,14 +75,14 @@ class Guide(NamedTuple):
             "tests": list(self.tests),
             "points": [
                 {
-                    "parameters": told.parameters,
+                    "parameters": dict(one.proposal.parameters),
                     "responses": {
                         name: [found.value, found.standard_error]
-                        for name, found in told.responses.items()
+                        for name, found in scalars(one.responses).items()
                     },
-                    "failing": list(told.failing),
+                    "failing": list(one.failures),
                 }
-                for told in map(Told.of, self.evaluations)
+                for one in self.evaluations
             ],
         }
 
@@ -106,34 +100,34 @@ class Guide(NamedTuple):
         return cls.of_points(points, tuple(plain.get("tests", ())))
 
 
-def guided(problem: Problem, solvers: Mapping[str, Solver]) -> list[TestScope]:
+def guided(
+    problem: Problem, solvers: Mapping[str, Solver], without: Collection[str] = ()
+) -> list[TestScope]:
     """Return the tests of which the atlas may guide the search, without a look at its rows.
 
     Nothing stands for what it does not have: a search that is led past the answer takes longer.
+    Tests that have a relative are guided by that.
 
     Parameters
     ----------
-    problem, solvers
+    problem, solvers, without
         As of `guide`.
     """
     if problem.dimension > _MOST_PARAMETERS:
         return []
-    return [scope for scope in problem.scopes if _is_told(problem, scope, solvers)]
+    others = {*without, *(one.of for one in problem.relatives)}
+    left = [scope for scope in problem.scopes if scope.name not in others]
+    return [scope for scope in left if _is_told(problem, scope, solvers)]
 
 
 def _is_told(problem: Problem, scope: TestScope, solvers: Mapping[str, Solver]) -> bool:
-    test = _test_of(scope, solvers)
+    test = named_test(scope.name, solvers)
     try:
         reading = Reading(solvers[test], problem.middle)
     except NotInAtlasError:
         return False
     responses = reading.kind.responses.keys() & problem.targets_of(test).keys()
     return bool(responses) and any(map(reading.tells_of, scope.parameters))
-
-
-def _test_of(scope: TestScope, solvers: Mapping[str, Solver]) -> str:
-    # The scope of the only test has no name.
-    return scope.name or next(iter(solvers))
 
 
 def guide(
@@ -148,18 +142,17 @@ def guide(
     Parameters
     ----------
     problem : Problem
-        Free parameters and targets.
+        Free parameters and targets, and relatives of tests.
     solvers : mapping of str to Solver
         By name of the test.
     seed : int
         Decides the points.
     without : collection of str
-        Scopes of the problem that something else guides.
+        Scopes of the problem that earlier runs guide.
     atlas : Atlas, optional
         By default the one that ships with the package.
     """
-    scopes = [one for one in guided(problem, solvers) if one.name not in without]
-    if not scopes:
+    if not (scopes := guided(problem, solvers, without)):
         return Guide()
     points = spread_points(_ASKED, problem.dimension, np.random.default_rng(seed))
     found: dict[str, list[Response]] = {}
@@ -222,7 +215,7 @@ def _expected(
     NotInAtlasError
         It tells nothing about the test.
     """
-    test = _test_of(scope, solvers)
+    test = named_test(scope.name, solvers)
     targets = problem.targets_of(test)
     expectation = Expectation(solvers[test], problem.middle, atlas, is_nearest=False)
     values = values_at(problem.parameters, points)

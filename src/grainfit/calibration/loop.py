@@ -43,7 +43,7 @@ from grainfit.metamodels.curve_reduction import about_other_kind, about_short_cu
 from grainfit.metamodels.known_runs import nearest_runs
 from grainfit.metamodels.metamodels import runs_that_yield
 from grainfit.problem import Problem
-from grainfit.problem.test_scope import cost_of_relatives
+from grainfit.problem.test_scope import cost_of_relatives, named_test
 from grainfit.result import Result
 from grainfit.run_definition import identity_of
 from grainfit.strategies.answer import Answer
@@ -174,8 +174,8 @@ class CalibrationLoop:
             return Guide.from_json(earlier.about.get("atlas", {}))
         if not self._options.atlas or not strategy.strategy.uses_relatives:
             return Guide()
-        guided = {*self._near.tests, *(one.of for one in strategy.problem.relatives)}
-        return guide(self._problem, self._campaign.solvers, strategy.seed, guided)
+        solvers = self._campaign.solvers
+        return guide(strategy.problem, solvers, strategy.seed, self._near.tests)
 
     def _define(self) -> dict[str, Any]:
         # Another input deck or solver version makes another calibration: the requests of the old
@@ -305,8 +305,7 @@ class CalibrationLoop:
     @property
     def _about_guides(self) -> list[str]:
         near = [self._near.notice] if self._near.tests else []
-        # The scope of the only test has no name.
-        tests = [one or next(iter(self._campaign.solvers)) for one in self._guide.tests]
+        tests = [named_test(one, self._campaign.solvers) for one in self._guide.tests]
         guided = [messages.GUIDED_BY_ATLAS(tests=in_a_row(tests))] if tests else []
         fault = [messages.WITHOUT_ATLAS(why=self._guide.fault)] if self._guide.fault else []
         return [*near, *guided, *fault]

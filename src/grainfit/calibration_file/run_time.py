@@ -19,6 +19,7 @@ from grainfit.calibration_file.content import CalibrationFile
 from grainfit.errors import InputError
 from grainfit.formatting import duration
 from grainfit.problem import Problem
+from grainfit.problem.test_scope import named_test
 from grainfit.solvers.base import Solver
 from grainfit.strategies.base import Search
 from grainfit.strategies.budget import start_search
@@ -122,8 +123,7 @@ def expected_runs(
     search = _search(file, problem, budget, largest_scatter(problem, solvers, file.repeats))
     tests: list[str] = []
     if file.strategy.atlas is not False and file.strategy.strategy.uses_relatives:
-        related = {one.of for one in problem.relatives}
-        tests = [one.name for one in guided(problem, solvers) if one.name not in related]
+        tests = [one.name for one in guided(problem, solvers)]
         search.learn_from_near((), tests)
     return ExpectedRuns(
         runs_to_come(search, runs_of_a_set, budget, _verification(file)),
@@ -131,8 +131,7 @@ def expected_runs(
         _verification(file) * runs_of_a_set,
         search.name,
         spared=search.spared_by_design,
-        # The scope of the only test has no name.
-        guided=[name or next(iter(solvers)) for name in tests],
+        guided=[named_test(name, solvers) for name in tests],
     )
 
 

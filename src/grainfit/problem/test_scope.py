@@ -114,6 +114,17 @@ class Relative(OneLine):
         return TestScope(self.name, of.targets, of.parameters)
 
 
+def named_test(scope: str, tests: Iterable[str]) -> str:
+    """Return the name of the test of a scope by that of the scope: of an only test it has none.
+
+    Examples
+    --------
+    >>> named_test("", ["heap"]), named_test("drop", ["heap", "drop"])
+    ('heap', 'drop')
+    """
+    return scope or next(iter(tests))
+
+
 def cost_of_relatives(relatives: Sequence[Relative], tests: Iterable[str]) -> int:
     """Return the whole runs of tests that cost as much as those runs that are of relatives.
 
